@@ -76,7 +76,7 @@ gc.set_threshold(50_000)  # a class of thousands is millions of objects without 
 
 @functools.cache
 def command() -> Any:
-    """Return the command line as a click command, which typer builds anew each time that `app` itself is called."""
+    """Return typer's `app`, the command line, as a click command, built once per process; a call of `app` builds it anew."""
     return typer.main.get_command(app)
 
 

@@ -67,12 +67,12 @@ class ComplementaryFilter:
         gyro : (3,) array_like
             Angular velocity in rad/s.
         mag : (3,) array_like, optional
-            Magnetic field, in any unit. Given, it corrects `heading` as the accelerometer corrects roll and pitch.
+            Magnetic field, in any unit. The first one sets `heading`, later ones correct it; between them the gyroscope turns it.
 
         Returns
         -------
         roll, pitch : float
-            In rad; roll in [−π, π), pitch in [−π/2, π/2] but for what the blend adds near the vertical.
+            In rad, in [−π, π). A motion over the vertical takes pitch past ±π/2; the accelerometer's tilt then pulls it back.
         """
         tilt = tilt_of(accel)
         if not self._started:
@@ -109,7 +109,8 @@ def tilt_of(accel: ArrayLike) -> tuple[float, float]:
 def euler_rates(roll: float, pitch: float, gyro: ArrayLike) -> tuple[float, float, float]:
     """Return the rates (rad/s) of roll, pitch and heading from the angular velocity (3,) in the sensor's own frame.
 
-    The kinematics of the z-y-x angles; Diebel, J. (2006), Representing attitude, Stanford University, section 5.6.
+    The kinematics of the z-y-x angles; Diebel, J. (2006), Representing attitude, Stanford University, section 5.6. Within 1.1° of
+    pitch ±90°, where roll and heading cannot be told apart, |cos(pitch)| counts as 0.02, so that the rates stay finite.
     """
     p, q, r = (float(value) for value in np.asarray(gyro, dtype=np.float64))
     across = q * math.sin(roll) + r * math.cos(roll)

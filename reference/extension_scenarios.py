@@ -1,6 +1,7 @@
-"""Simulate the scenarios that grade the extensions: motions of a tilting IMU, kinds of noise, many IMUs, a robot to watch.
+"""Simulate the correct data (traces) that grade the sheet's extensions: tilt filter, Allan deviation, many IMUs, live plot.
 
-The first line of a scenario's docstring is its description in the traces.
+A scenario's first docstring line describes it there. `tilt_start` records no motion: the grader makes readings at rest from it, the
+first ones wrong, for a filter to forget. `watched` is two runs for the live plot; an instructor's robot may keep a shorter step.
 """
 
 from __future__ import annotations

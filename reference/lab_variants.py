@@ -1,4 +1,4 @@
-"""Random variants of the lab model, for hidden traces, of which the lab sheet stays true: it stands, is pushed and stays up."""
+"""Random variants of the lab model for hidden traces, new to students: as on the lab sheet they stand, and stay up if pushed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STILL_S = 0.5
 
 
 def lab_variant(xml: str, rng: np.random.Generator) -> str:
-    """Draw random variants of the lab model until one keeps what the lab sheet says of the model; return the variant's MJCF."""
+    """Draw without limit; return the first variant (MJCF) to move as on the sheet, with new IMU addresses and unlike channels."""
     while True:
         text = at_rest(vary(xml, rng))
         if keeps_the_facts(mujoco.MjModel.from_xml_string(text)):
@@ -41,7 +41,7 @@ def lab_variant(xml: str, rng: np.random.Generator) -> str:
 
 
 def at_rest(xml: str) -> str:
-    """Return the robot's MJCF with height, sole pads and springs adjusted so that its initial pose is the equilibrium."""
+    """Return MJCF with height, pads and springs set so that its initial pose rests; `balance.balanced` is for the lab's file."""
     robot = Robot.of(xml)
     model = robot.model
     balance.settle(model)

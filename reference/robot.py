@@ -33,7 +33,7 @@ Problem = tuple[str, str]
 
 
 class UnfitError(ValueError):
-    """Exception: the model cannot be graded. `problems` are (key, text); keys: "path" (the file), "accelerometer", "gyroscope"."""
+    """Exception: model not gradable. `problems`: (rubric key at fault, text); "path" (the model), "accelerometer", "gyroscope"."""
 
     def __init__(self, *problems: Problem) -> None:
         super().__init__("; ".join(text for _, text in problems))
@@ -49,7 +49,7 @@ class Robot:
     imu: tuple[str, str]
 
     def about(self) -> dict[str, Any]:
-        """Return the robot's entry in the traces' manifest: file, IMU, sensor ids and time step of the model that students have."""
+        """Return the robot's entry in the traces' JSON: file, IMU; sensor ids and time step as students have them, unvaried."""
         model = mujoco.MjModel.from_xml_string(self.xml)
         ids = [int(model.sensor(name).id) for name in self.imu]
         return {"file": self.file, "imu": list(self.imu), "ids": ids, "timestep": float(model.opt.timestep)}

@@ -1,7 +1,8 @@
-"""Simulate the ground truth of all scenarios, one function each, whose first line describes it; name and seed decide all numbers.
+"""Simulate the ground truth of all scenarios, one function each, whose first docstring line describes it in the traces.
 
-Convention: a row holds what the sensors read right after `mj_step`, as on the lab sheet, and the simulation's time after that step.
-(MuJoCo computes sensors before it integrates, so the row is the state at the step's beginning.)
+The name and the seed of a bundle decide all random numbers. A row of a simulated motion holds what the sensors read right after
+`mj_step`, as on the lab sheet, and the simulation's time after that step. (MuJoCo computes sensors before it integrates, so the
+readings belong to the state at the step's beginning.)
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ def simulate(name: str, seed: str, robot: Robot | None = None) -> Bundle:
     seed : str
         Any text. The same name and seed give the same recordings.
     robot : Robot, optional
-        The instructor's own robot, in place of the lab's; the scenario `standing` is then left out.
+        The instructor's own robot, in place of the lab's. The scenario `standing` is then left out, because this robot need not
+        rest at reset, and `reading_sheet`, readings of the lab's robot, is added.
     """
     public = name == "public"
     text = worlds.lab() if public else lab_variant(worlds.lab(), generator(name, seed, "lab"))

@@ -48,8 +48,8 @@ class Settings:
 class Scene:
     """Material of a scenario: its own random generator, the settings and the compiled models.
 
-    `sheet` is the robot of the lab sheet. `lab` is the robot that grading uses: the same, or the instructor's own. `imus` names the
-    accelerometer and gyroscope of each IMU of `lab`, the graded IMU first.
+    `sheet` is the robot of the lab sheet, `lab` the one that grading uses: the same, or the instructor's own. For hidden traces
+    both are random variants. `imus` names the accelerometer and gyroscope of each IMU of `lab`, the graded IMU first.
     """
 
     rng: np.random.Generator
@@ -107,9 +107,10 @@ def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
 
 
 def paced(settings: Settings, timestep: float) -> Settings:
-    """Return the settings with durations of 150 to 2,000 whole steps, for an instructor's robot with this time step.
+    """Return the settings for an instructor's robot: durations rounded to whole steps, at least 150 and at most 2,000 of them.
 
-    `dirty_timestep`, for a run that reuses MjData, is made shorter than `timestep`: a longer one might not be stable.
+    A step of `push_s` lasts `timestep`. A step of `dirty_s`, for the run that reuses MjData, lasts the new `dirty_timestep`, which
+    is made shorter than `timestep`: a longer one might not be stable.
     """
     n_steps = min(max(round(settings.push_s / timestep), _FEWEST_STEPS), _MOST_STEPS)
     other = round(timestep * min(settings.dirty_timestep / 0.005, 0.8), 9)

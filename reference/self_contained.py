@@ -1,7 +1,8 @@
 """Write a model that is spread over several files as one text that needs no other file, so that it can be sent and stored.
 
-MuJoCo itself writes out includes. What is left are meshes, height fields, textures and skins. What only shows is left out; a mesh
-that touches becomes its convex hull, which is what MuJoCo collides; and bodies keep the inertia that their meshes gave them.
+MuJoCo itself writes out includes. Textures and skins are left out, and height fields are written as numbers. A mesh that can
+collide becomes its convex hull, which is what MuJoCo collides, or the plain shape that was fitted to it. Any other mesh becomes a
+tiny sphere without mass or contacts. Bodies keep the inertia that their meshes gave them.
 """
 
 from __future__ import annotations

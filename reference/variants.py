@@ -1,8 +1,8 @@
 """Draw another robot of the same kind: masses, springs, friction, IMUs, sensors and time step of any model's text.
 
-A hidden motion must not be one that students can record beforehand, so under a secret the model itself is another one. Nothing here
-knows a particular model: what is there is found in the compiled model and written back, as explicit values, into the elements of
-the text.
+A hidden motion must not be one that students can record beforehand. So for hidden traces, whose seed comes from the instructor's
+secret, the model itself is another one. Nothing here knows a particular model: what is there is found in the compiled model and
+written back, as explicit values, into the elements of the text.
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ def imu_addresses(model: mujoco.MjModel) -> frozenset[int]:
 
 
 def constant_spin(radius: float) -> str:
-    """Return the MJCF of a turntable about the vertical, with an IMU `radius` metres from its axis: x outward, y along, z up."""
+    """Return the MJCF of a turntable about the vertical, its IMU `radius` metres from the axis: x outward, y tangential, z up."""
     return _SPIN.format(radius=radius)
 
 

@@ -11,7 +11,8 @@ _FORM = re.compile(r"(\d{4}-\d\d-\d\d)[Tt ]+(\d\d:\d\d(?::\d\d)?)(?:\.\d+)? *([Z
 def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
     """Parse a date and time, from text or from the `datetime` that a YAML reader made of it; return it in UTC and whole seconds.
 
-    Return None if the value is no date and time, or lacks an offset from UTC. `zone` replaces the offset that a text lacks.
+    Return None if the value is no date and time, or lacks an offset from UTC. With `zone`, a text without an offset is taken as a
+    time of that zone; a `datetime` without one still gives None.
     """
     try:
         if isinstance(value, datetime):

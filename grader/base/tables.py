@@ -44,13 +44,13 @@ def titled(
 ) -> list[tuple[int, dict[str, str]]]:
     """Return (line number, {title: cell}) for each row of a CSV table whose first line holds the column titles, in any order.
 
-    Titles are stripped and in lower case. All columns are kept, also those not in `columns`; blank rows are left out.
+    Titles are stripped and in lower case. All columns are returned; a short row lacks its last titles. Blank rows are left out.
 
     Raises
     ------
     RequestError
-        If the data is no table, or lacks one of the `needed` columns; the message begins with `source`, the name of the file, and
-        lists all the `columns` that are read.
+        If the data is no table, or a column in `needed` is missing. The message begins with `source`, the name of the file. If a
+        column is missing, it lists `columns`: all that the caller reads, optional ones too. They have no other use.
     """
     (_, titles), *rows = read(data, source).rows or [(1, [])]
     titles = [title.strip().casefold() for title in titles]

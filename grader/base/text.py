@@ -1,7 +1,7 @@
 """Make text from strangers safe to show: file names, printed lines, messages of a student's code.
 
-`printable` is for text that people read, `csv_cell` for a cell of a spreadsheet. Where HTML, XML and CI commands are written, they
-are escaped.
+`printable` is for text that people read, `csv_cell` for a cell of a spreadsheet. Neither makes text safe in HTML, XML or CI
+commands: the modules that write those escape it themselves.
 """
 
 from __future__ import annotations

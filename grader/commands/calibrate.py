@@ -30,9 +30,10 @@ def calibrate(
         Path | None, typer.Option("-o", "--out", metavar="DIR", help="Where the pages go. Default: OUT/calibration.")
     ] = None,
 ) -> int:
-    """Measure how close the grades are to your own, and which deductions would bring them closer.
+    """Measure how close the grades are to your own marks, and propose deductions for faults that would bring them closer.
 
-    First draw a sample and mark it on the page that is written. Then compare. No grade changes.
+    First draw a sample with --sample, and mark it on the page that is written. Then compare with --marks. Each run needs one of
+    the two options, not both. No grade changes.
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""`imugrade check`: a student's check of their own work against the public scenarios."""
+"""`imugrade check`: a student's check of their own work on public scenarios: simulated motions that students have, none hidden."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def check(
     rubric: RubricOption = None,
     isolation_level: LevelOption = None,
 ) -> int:
-    """Check one submission against the public scenarios, and show its points and what to fix.
+    """Check one submission against the public scenarios (simulated motions, none hidden), and show its points and what to fix.
 
     \b
     Examples:

@@ -42,11 +42,12 @@ def check_on_save(
 
     Parameters
     ----------
-    only : the criterion or extension to check; None checks all
+    traces : the ground truth to grade with: true sensor readings of each simulated motion
+    only : id of the criterion or extension (extra task of the sheet) to check; None checks all
     isolation_level : level of the sandbox; None takes the best that works here
     written : files that the caller writes for each result; their changes are ignored
-    begins, waits : called before each grading, and repeatedly between two gradings
-    waiting : called with what a grading waits for, if that takes long
+    begins, waits : called before each grading, and repeatedly between two gradings, so that the caller can refresh its display
+    waiting : called during a grading if student code is slow to answer, with a message to show that says what is awaited
     listen : called with what the student's code prints
     """
     handed_in = SingleSubmission(path, rubric.lab.files)

@@ -1,4 +1,4 @@
-"""`imugrade ci`: grade one submission in the output format of a platform."""
+"""`imugrade ci`: grade one submission in a CI job, with the output that its platform reads, such as Gradescope or GitHub."""
 
 from __future__ import annotations
 
@@ -46,6 +46,8 @@ def ci(
     isolation_level: LevelOption = None,
 ) -> int:
     """Grade one submission in a CI job and write its platform's output.
+
+    Hidden scenarios (--traces) need isolated code, or --trust-submissions; and a platform that keeps them secret, or --private.
 
     \b
     Examples:

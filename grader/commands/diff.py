@@ -19,7 +19,8 @@ def diff(
 ) -> int:
     """Compare two gradings: whose scores changed, by which checks, and why.
 
-    With one folder, it compares with the version before the last change of the settings.
+    With one folder, it compares the grades now and before the last change of a setting, such as the rubric, that can change
+    scores. If there was none, it refuses.
 
     \b
     Example:

@@ -51,9 +51,10 @@ def export(
     """Write the final grades of a class in the format of a platform. No grade on record changes.
 
     With --template, the command fills the grades into the file that the platform exported and changes nothing else in it. It
-    lists who gets a grade, who stays blank, and which rows match nobody. A person without a submission stays blank, or gets 0
-    with --missing 0. It writes nothing if a graded submission has no row in the file, a grade is above its maximum, or a
-    submission was not judged, unless you allow it with --anyway, or with a yes on a terminal. The format csv is a plain table.
+    says how many get a grade, who stays blank, and which rows match nobody. A person without a submission stays blank, or gets
+    0 with --missing 0. The command writes nothing if a graded submission has no row in the file, a grade is above its maximum,
+    a person has two grades, or the grader failed to judge a submission, unless you allow it with --anyway, or with a yes on a
+    terminal. The format csv is a plain table.
 
     \b
     Examples:

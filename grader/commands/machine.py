@@ -46,10 +46,10 @@ def examine(tell: Callable[[str], None]) -> list[tuple[str, list[DoctorFinding]]
 
 
 def report(out: Path) -> list[str]:
-    """Return the lines of a report about faults of the grader: versions, isolation, lab, and how often each fault is on record.
+    """Return lines for a bug report about the grader: versions, isolation, lab, and the grader's exceptions on record.
 
-    A fault is told without its message, which could hold a name or a number of a submission. RequestError if no class was graded
-    in the folder `out`.
+    Each exception kept a check from being judged. It is told with place, count and first check, but without its message, which
+    could hold a name or a number of a submission. RequestError if no class was graded in the folder `out`.
     """
     with Store.existing(out) as store:
         settings, results = store.settings(), store.present().values()

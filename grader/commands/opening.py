@@ -23,7 +23,7 @@ def checking_line(path: Path) -> str:
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Return a line on which of the lab's files are there, so that a wrong folder shows; without .py files, a notebook counts."""
+    """Return a line on lab files found or missing, to reveal a wrong folder; if no lab .py is there, a notebook stands for all."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
     notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))
@@ -37,10 +37,11 @@ def found(lab: Lab, submission: Submission) -> str:
 
 
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
-    """Return a line with the number of public checks to run and a notice of hidden scenarios, which only `imugrade grade` uses.
+    """Return a line with the number of checks to run on public scenarios, and a notice of hidden ones, which `imugrade grade` uses.
 
-    `only` is a criterion's id (None: all). `secret` says whether the seed of the hidden scenarios is set here (IMUGRADE_SEED):
-    the notice then has their number: how many of the scenarios in `traces` depend on a seed.
+    `only` is the id of a criterion or extension; None: all criteria, and the extensions whose file `submission` has. If `secret`,
+    the seed of the hidden scenarios is set here (IMUGRADE_SEED), and the notice has their number: how many scenarios in `traces`
+    depend on a seed. Else it says that the instructor may use hidden scenarios.
     """
     extensions = [part for part in rubric.extensions if part.file in submission.files or only == part.id]
     count = sum(len(part.checks) for part in (*rubric.criteria, *extensions) if only in (None, part.id))

@@ -74,10 +74,11 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
 
 
 def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mapping[str, str]) -> Path:
-    """Write the program `text` as `repro.py`, with the arrays of `questions` and the texts `beside`; return the program's path.
+    """Write the program `text` into `out` as `repro.py`, and beside it the files that it needs; return the program's path.
 
-    `questions` are recorded calls of student code, which the program repeats. `beside` holds texts by file name. RequestError if
-    a folder below `out` is a link: a submission could lead the files elsewhere.
+    `questions` are recorded calls of student code, which the program repeats: their arrays go into `repro.npz`. `beside` maps paths
+    below `out` to texts of other files, such as the robot model that student code loads. RequestError if a folder below `out` is a
+    link: a submission could lead the files elsewhere.
     """
     for folder in {parent for name in beside for parent in Path(name).parents}:
         if folder.parts and (out / folder).is_symlink():
@@ -92,8 +93,9 @@ def write_program(out: Path, text: str, questions: Sequence[Any], beside: Mappin
 def recorded_calls(
     rubric: Rubric, submission: Submission, isolation_level: str | None = None, until: str | None = None
 ) -> tuple[Any, Mapping[str, Judgement]]:
-    """Run checks on the public scenarios; return the session that recorded calls of student code, and judgements by check id.
+    """Run checks on the public scenarios and record their calls of student code; return the recorder, and judgements by check id.
 
+    The recorder is the lab's `Recorder`, a sandbox session, closed on return; its `questions(check_id)` returns a check's calls.
     `until` is the last criterion to run; None runs all. `isolation_level` None takes the best level of the sandbox that works here.
     """
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}

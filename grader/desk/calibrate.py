@@ -20,16 +20,17 @@ from grader.intake.names import safe_id
 def show(book: Classbook, web_request: WebRequest) -> Response:
     """Show the sample of submissions to mark by hand as a test of the grader; with `id` in the query, the form for that submission.
 
-    With `compare`, also show how far the grades are from the marks of all people.
+    With `compare` in the query, show instead how far the grades are from the marks by everybody who marked. An `id` outside the
+    sample is ignored. RequestError if there is no submission to mark or to compare.
     """
     return _page(book, web_request, _Calibration(book, web_request.author), {})
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Save a person's marks of a submission, to compare with its grade, and go on to the next submission without marks.
+    """Save a person's marks of a submission, to compare with its grade, and go on to the next one that this person has not marked.
 
-    The marks are in a CSV in the output folder. With `do=full`, blank fields get full points. If a field is wrong, the form is
-    shown again and nothing is saved.
+    If none is left, go to the page with the whole sample. Each person's marks are in a CSV in the output folder. With `do=full`,
+    blank fields get full points. If a field is wrong, the form is shown again and nothing is saved.
     """
     id_, known = web_request.text("id"), _Calibration(book, web_request.author)
     if id_ not in known.ids:

@@ -44,18 +44,19 @@ class Similar:
 
 
 class Classbook:
-    """The graded class that all pages of the review desk read and change; one thread uses its database, and results are cached.
+    """The graded class that all pages of the desk read and change; only `thread` may use `store`, its database. Results are cached.
 
     Parameters
     ----------
     out
         The folder that `imugrade grade` wrote.
     rubric
-        File of the rubric that the what-if page starts from; None is the one that the class was graded by.
+        File of a rubric to try on the what-if page, see `Classbook.rubric`; None is the one that the class was graded by.
     secret
-        Makes the hidden scenarios by which edited copies are graded; None for public ones.
+        Makes the hidden scenarios on which submissions repaired at the desk are graded. None is for a class graded on public ones,
+        which students can run, too; without the secret of hidden ones, repairs are refused.
     trusted
-        Whether edited copies may run where nothing isolates them.
+        Whether repaired submissions may run where nothing isolates them.
     """
 
     def __init__(
@@ -94,9 +95,9 @@ class Classbook:
         self.thread.shutdown()
 
     def final_grades(self) -> dict[str, FinalGrade]:
-        """Return all final grades by id, cached. Overrides are read again after any change.
+        """Return all final grades by id, cached. After an override or comment at the desk, only these are read again.
 
-        Results are read again after a write by another connection, a review, or a regrade.
+        Results, too, are read again after a write by another connection, a review, a regrade, or points without a submission.
         """
         seen = self.store.changes()
         if seen != self._seen:
@@ -109,7 +110,7 @@ class Classbook:
 
     @property
     def rubric(self) -> Rubric:
-        """Return the rubric on record; until a regrade at the desk, the one that the desk was started with instead, if any."""
+        """Return the rubric that pages use: the file given to the desk at its start, until a regrade there; else the class's."""
         if self._rubric is not None:
             return self._rubric
         settings = self.store.settings()

@@ -53,7 +53,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class SubmittedFiles:
-    """Submitted files on a page: text, pictures, name and size of all `others`, and the number of `more` that are not named."""
+    """Submitted files: texts, PNGs, name and size of `others` (of other kinds or not stored), and how many `more` are unlisted."""
 
     listings: tuple[Listing, ...]
     pictures: tuple[Picture, ...]
@@ -103,9 +103,10 @@ def _listing(anchor: str, path: str, content: bytes, named: set[int]) -> Listing
 
 
 def coloured(path: str, text: str) -> list[Markup]:
-    """Return the first `MOST_LINES` + 1 lines of `text`, the file `path`, as escaped HTML, long lines cut.
+    """Return the first `MOST_LINES` + 1 lines of `text`, the file `path`, as escaped HTML; a `Listing` shows one line fewer.
 
-    Python and notebooks get syntax colours unless they are longer than `_COLOURED` characters.
+    Only the first `_SHOWN` characters are read, and lines are cut to `LONGEST_LINE`. Python and notebooks get syntax colours,
+    unless what is left is longer than `_COLOURED` characters; other files are plain.
     """
     text = "\n".join(
         printable(line, LONGEST_LINE, newlines=True) for line in text[:_SHOWN].split("\n")[: MOST_LINES + 1]

@@ -26,9 +26,10 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def send(book: Classbook, web_request: WebRequest) -> Response:
-    """Send the grades or the reports as a download.
+    """Send the grades or, with `do=feedback`, the reports as a download.
 
-    Show the form with errors if a field is wrong, or if a grade cannot be right (`contradictions`) and the field `anyway` is empty.
+    Show the form with errors if a field is wrong. Before grades are sent, show it also if some cannot be right, such as one above
+    its maximum or without a row in the template, unless the person has ticked `anyway` to get the file all the same.
     """
     feedback = web_request.text("do") == "feedback"
     try:

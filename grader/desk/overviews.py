@@ -23,7 +23,7 @@ from grader.report.pages import AT_ONCE
 
 
 def queue(book: Classbook) -> list[Item]:
-    """Return the review queue, the items that a person should look at, cached until the class database changes."""
+    """Return the review queue, open items and reviewed ones, cached until grades, reviews or other facts behind it change."""
     facts = (
         book.final_grades(),
         book.similar().groups,
@@ -94,7 +94,7 @@ def mark_reviewed(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def framed(book: Classbook, web_request: WebRequest, template: str, code: int = 200, /, **values: object) -> Response:
-    """Return a page with HTTP status `code`: `template` filled with `values` and those that every page needs, such as drafts."""
+    """Return a page with HTTP status `code`: `template` with `values` and what all pages need, such as typed text not yet sent."""
     final_grades = book.final_grades()
     lab = next((each.result.lab for each in final_grades.values()), None)
     frame = {

@@ -74,7 +74,7 @@ class Job(ABC):
 
     @abstractmethod
     def run(self, grading: Grading) -> None:
-        """Do the job on the thread that grades, by the rubric and recordings in `grading`; meanwhile the page shows `step`."""
+        """Do the job by the rubric and recordings in `grading`: set `grades` or `lines`; an error raised here becomes `problem`."""
 
     def grading_step(self) -> str:
         """Return the `step` to show while an edited copy is graded; in a search for a repair, each call counts one more copy."""

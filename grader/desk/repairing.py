@@ -140,7 +140,8 @@ def editor(
 def compared(grades: RepairPreview) -> list[Compared]:
     """Return the lines of a preview, each with the points now and with the edit: the criteria and their sum.
 
-    If the submission has repairs, their deductions and the score follow. The deduction of the previewed repair is not in them.
+    If `grades.before` has repairs, their deduction follows, then the score: the sum less that, at least the score as handed in.
+    No line holds the deduction for the edit itself, which the person sets when saving it.
     """
     after = {part.id: part for part in grades.after.criteria}
     rows = [
@@ -279,7 +280,7 @@ class SuggestJob(Job):
 
 @dataclass(kw_only=True)
 class SaveJob(Job):
-    """Job that stores the repair `request` for all submissions `ids` and adds each outcome to `lines`; fails if the first fails."""
+    """Job that stores `request` for submissions `ids`, each outcome in `lines`; fails, storing none, if the first is refused."""
 
     records = True
     book: Classbook

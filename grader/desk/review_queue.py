@@ -1,4 +1,4 @@
-"""Review queue: which submissions a person should look at, and why. A grade depends on that only where an item says so."""
+"""Review queue: which submissions a person should look at, and why. A review changes a grade only if the item `gives_zero`."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class Item:
 
     @property
     def together(self) -> str:
-        """Return the address of the page to decide for all submissions of the item at once; "" if there is only one."""
+        """Return the address of the page to override or comment on all submissions of the item at once; "" without `others`."""
         return address(similar_group(self.ids)) if self.others else ""
 
     @property
@@ -123,9 +123,10 @@ def items(
 ) -> list[Item]:
     """Return the items of the queue, open and reviewed, by kind as in `KINDS`, then by submission as in `final_grades`.
 
-    They come from `final_grades`, `groups` of similar submissions, a run's `notices` (messages by kind), open `requests`,
-    `contradictions` among the grades, and `lapsed` repairs, which no longer count. `reviews` says which items were reviewed, by
-    submission, kind of the item and digest of its reason. Times are in the zone of the late `policy`.
+    They come from `final_grades`, `groups` of similar submissions, a run's `notices` (messages or ids by kind), open `requests`,
+    `contradictions` (grades that cannot be right), and `lapsed` repairs, which no longer count. `reviews` says which items were
+    reviewed, by submission, kind of the item and digest of its reason. `lab` names files whose code does not run. Times are in
+    the zone of the late `policy`.
     """
     found: list[tuple[tuple[str, ...], Reason]]
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in notices.get("leftover", ())]

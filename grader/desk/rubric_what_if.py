@@ -62,11 +62,11 @@ def show(book: Classbook, web_request: WebRequest) -> Response:
 
 
 def save(book: Classbook, web_request: WebRequest) -> Response:
-    """Write the changed rubric as a file; with `do=mark`, also regrade the class by it. Else no grade changes.
+    """Write the changed rubric as a file in the output folder, for `--rubric`; with `do=mark`, also regrade the class by it.
 
     If a value is wrong, nothing is written, and the page shows the errors.
 
-    OvertakenError if the class has got another rubric meanwhile.
+    OvertakenError if the class has got another rubric since the page was loaded.
     """
     _refuse_overtaken(book, web_request)
     try:

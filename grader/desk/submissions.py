@@ -76,7 +76,7 @@ class Overrides:
 
     @property
     def asked(self) -> bool:
-        """Return whether there are points, a comment, a regrade request or a form with errors, so that the row is shown open."""
+        """Return whether there is an override, comment, regrade request or refused form; even a passed check is then shown open."""
         return bool(self.points or self.comment or self.requests or self.typed)
 
     @property
@@ -95,7 +95,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Row:
-    """One check on the page: its feedback, its overrides (None if it takes none), and the lines of code that it is about."""
+    """One check on the page: its feedback, its overrides (None: extensions take none), and the lines of code that it is about."""
 
     row: words.CheckText
     overrides: Overrides | None
@@ -343,7 +343,7 @@ def _keys(parts: Sequence[PartView], requests: Sequence[RegradeRequest]) -> dict
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Ids of the submissions before and after the shown one (number `place` of `of`) and of the next one to review; "" for none."""
+    """Ids before and after the shown submission (`place` of `of` by id), and next to review (the search goes round); "" if none."""
 
     place: int
     of: int

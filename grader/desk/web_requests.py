@@ -57,14 +57,14 @@ class WebRequest:
 
 
 async def read(request: Request, cookie: str, author: str) -> WebRequest:
-    """Read the fields of a request within bounds; its author is the name in the cookie, else `author`.
+    """Read the fields of a request within bounds; its author is the name in the cookie called `cookie`, `author` if it has none.
 
     Raises
     ------
     TooLargeError
         If the body is larger than `MOST_BYTES`.
     RequestError
-        If the form has more than `_MOST_FIELDS` fields.
+        If the form or the query has more than `_MOST_FIELDS` fields.
     """
     data = bytearray()
     if request.method == "POST":

@@ -2,8 +2,8 @@
 
 The rule: an entry of the fault table lists every check of its criterion that the fault breaks, each with its share of points. All
 these shares are deducted. A deviation at a check that a found fault lists costs nothing more, any other is deducted at its own
-check. A fault of the call, such as another parameter, is deducted at the checks that its entry lists; it explains no wrong value
-there. Shares on one check add up to at most one. Nothing is deducted in another criterion.
+check. A fault of the call, such as parameters other than the lab sheet's, explains no deviation: one at a check that its entry
+lists is deducted as well. Shares on one check add up to at most one. Nothing is deducted in another criterion.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Measurement(Protocol):
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
-        """Exceptions that kept properties from being measured, each by the short name of the check that it ends; {} if none."""
+        """Exceptions that end checks whose property could not be measured, by short name (``passes_constant``); {} if none."""
 
 
 Facts = TypeVar("Facts", bound=Measurement)

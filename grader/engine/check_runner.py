@@ -111,7 +111,7 @@ class CheckRun:
         self.student.replace_broken([name for part in lost for name in part.names])
 
     def end(self, this: Check, ended: BaseException | None, duration_s: float) -> None:
-        """Record how a check ended: `ended` is the exception that it raised, None if it passed. No record if it was interrupted."""
+        """Record how a check ended: with the exception `ended`, or passed if that is None. A KeyboardInterrupt is not recorded."""
         if isinstance(ended, KeyboardInterrupt):
             return
         verdict, cause = None, ended
@@ -166,10 +166,11 @@ class CheckRun:
         """Yield, for each rerun of a criterion, the required names for which the rerun takes the lab sheet's code.
 
         A function may fail only because of functions that it calls. If the criterion lost points while stand-ins (correct code)
-        replaced some functions, the empty set is yielded for a rerun without them. If student code raised in the criterion, a rerun
-        takes the sheet's code for the functions of the first criterion, which all others call. Unlike a stand-in, the sheet's code
-        takes the sheet's arguments only, so that it excuses no wrong call. An extension, and a criterion whose functions no other
-        criterion needs, has no rerun.
+        replaced some functions, the empty set is yielded for a rerun without them. After that, if student code raised in the
+        criterion, a rerun takes the sheet's code for the functions of the criterion graded first, which later ones may call; that
+        criterion itself has no such rerun. Unlike a stand-in, the sheet's code takes the sheet's arguments only, so that it
+        excuses no wrong call. Extensions, and criteria that are graded last because no other needs their functions (`Part.needed`),
+        have no rerun.
         """
         part = self._lab.part(criterion)
         if part is None or not part.needed or criterion not in self._lab.examined:

@@ -48,11 +48,12 @@ class Feedback:
 
 
 def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str, FaultRow]) -> Feedback:
-    """Return what a student reads about the exception that ended a check on public scenarios.
+    """Return what a student reads about the exception that ended a check; it may quote values and text of the student's code.
 
     Parameters
     ----------
-    finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
+    finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`, nothing else; on hidden scenarios only
+        a `Missing` without hidden text, or one with an `earlier` check: `hidden_feedback.feedback_on` takes the rest
     earlier : title of an earlier check with the same cause (see `cause_key`), to which the feedback refers; None without one
     table : the entries of the lab's fault table
     """
@@ -154,7 +155,7 @@ def hint_of(charge: Charge, rows: Mapping[str, FaultRow]) -> str:
 
 
 def public(charge: Charge, rows: Mapping[str, FaultRow]) -> tuple[str, ...]:
-    """Return the ids of those faults in a check's deductions that `imugrade explain` can show, to name them in `result.json`."""
+    """Return the ids in a check's deductions for `Feedback.faults`: faults with an `explanation` in `rows`, no check's own id."""
     return tuple(cost.row for cost in charge.costs if rows[cost.row].explanation)
 
 
@@ -200,7 +201,8 @@ def _exception_name(error: StudentError) -> str:
 def fault_of(error: StudentError, table: Mapping[str, FaultRow]) -> str:
     """Return the id of the fault that an exception of the student's code shows, to find its hint in the fault table.
 
-    It is ``missing-package`` for a ModuleNotFoundError, else the first in the table that fits, ``raises`` if none fits.
+    It is ``missing-package`` for a ModuleNotFoundError, else the first in the table whose rules on type, missing name and source
+    line all hold (`FaultRow.shown_by`), ``raises`` if there is none.
     """
     if error.type == "ModuleNotFoundError":
         return "missing-package"
@@ -224,7 +226,7 @@ def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], table: Mapping
     """Return the feedback on a check whose call of student code got no usable answer; the check earns nothing.
 
     `outcome` (such as "timeout") and the text `got` say what came instead. The hints are those that `table` has for the fault ids
-    in `named`; if there are none, the hint of `NOT_UNDERSTOOD`.
+    in `named`; if `named` is empty, the hint to return plain arrays and numbers (that of `NOT_UNDERSTOOD`).
     """
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(table[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint

@@ -156,17 +156,17 @@ class Axes:
 
 @dataclass(frozen=True, eq=False)
 class Figure:
-    """A figure that student code drew, as it was when it was saved, shown or left open; an unreadable one has no axes.
+    """A figure that student code drew, as it was at an event such as saving; one that raises when examined has no axes.
 
     Attributes
     ----------
-    event : ``saved`` if a file shows it at the end; ``overwritten`` if its file was replaced or deleted; ``forgotten`` if it was
-        saved to memory alone; ``shown`` or ``open`` if it was never saved
-    path, format : path and format of the file, as in the call that saved it
-    size_px : width and height in pixels in which it was saved, or would be
+    event : ``saved`` if a file shows it at the end, and for a film's frame; ``overwritten`` if its file was replaced or deleted;
+        ``forgotten`` if it was saved to memory alone; else ``shown``, ``closed``, ``cleared``, or ``open`` at the end
+    path, format : the file's path (None if the code named none) and format ("" if it was not saved)
+    size_px : width and height in pixels in which the code saved it, or would have; `pixels` are another, small drawing
     title, xlabel, ylabel, texts, legend : the texts and legend entries that apply to all its panels
     extent, dots : width and height of `pixels` before rounding, and the resolution of `pixels` in dots per inch
-    pixels : (h, w, 3) ndarray of uint8, the drawn picture in red, green and blue
+    pixels : (h, w, 3) ndarray of uint8, the small picture that the sandbox draws to find visible curves, in red, green and blue
     """
 
     event: Short

@@ -221,7 +221,7 @@ class Unusable(CheckFailed):
 
 
 class Skipped(Exception):  # noqa: N818 - an outcome
-    """Exception: a check earns nothing because something that it needs is missing; the message completes the sentence "Needs …"."""
+    """Exception: no points, as the student's result lacks what a check judges; the message ("an output") follows "Needs"."""
 
 
 class Raised(Exception):  # noqa: N818 - an outcome

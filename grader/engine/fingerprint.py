@@ -75,7 +75,7 @@ def _winnowed(source: str) -> set[int]:
 
 
 def lines_with(source: str, wanted: Set[int]) -> set[int]:
-    """Return the numbers, from 1, of the lines whose code has a hash in `wanted`, to mark similar code on a page."""
+    """Return the numbers, from 1, of the lines that runs of `GRAM` tokens with a hash in `wanted` span, to mark similar code."""
     tokens = [found for found in _TOKEN.finditer(source) if not found[0].startswith("#")]
     hashes = _hashes([_normalized(found[0]) for found in tokens])
     starts = np.cumsum([0, *(len(line) + 1 for line in source.split("\n"))])

@@ -1,9 +1,9 @@
 """Feedback on hidden scenarios: kind and size of an error, but nothing that student code could choose after seeing hidden data.
 
-If an instructor's secret is used, the process that runs student code holds hidden data as soon as it has the files. So feedback
-consists of constants of the grader's code (in this module, in the fault table, and `GraderText`) and a size in three steps. It
-holds no text, name, number, shape, line, file or exit code of the student's. Messages about loading a file come from a second
-process with public data, see `public_session`.
+Hidden scenarios are recorded from a secret text of the instructor's. The process that runs student code gets hidden data together
+with the student's files, before any of that code runs. So feedback consists of constants of the grader's code (in this module, in
+the fault table, and `GraderText`) and a size in three steps. It holds no text, name, number, shape, line, file or exit code of the
+student's. Messages about loading a file come from a second process with public data, see `public_session`.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ class Part:
         return self.home in files or self.named_in(files)
 
     def named_in(self, files: Mapping[str, bytes]) -> bool:
-        """Return whether a program or notebook defines one of the part's names. Only text is searched, no code is run."""
+        """Return whether program text defines one of the part's names, or a cell writes its file. A file alone is not enough."""
         names = "|".join(self.names)
         pattern = rf"(?:\b|\\n)(?:class|def)[ \t]+(?:{names})\b|%%writefile[ \t]+{self.home}"
         defines = re.compile(pattern.encode())
@@ -107,12 +107,13 @@ class Lab:
     suffixes : suffixes of those files of a submission, code and data, that are copied into the sandbox
     libraries : slow modules of `packages` that only some submissions import; the sandbox imports each once for a whole class
     recorder : module that ``python -m`` runs to record ground truth; "" if the lab ships public ground truth alone
-    depends_on : packages whose versions may change numbers that the recorder or a submission computes
-    same_for_all : scenarios that are not hidden, because no secret changes a number in them
+    depends_on : packages whose versions may change computed numbers; results name the versions, and ground truth is cached by them
+    same_for_all : scenarios that do not count as hidden, because the numbers in them are the same for every secret (see `truth`)
     student : makes the sandbox session of a submission, through which checks call the student's code
     charts : makes the charts of a report from that session and the traces
     checked : returns a reply of the sandbox if it is valid for the request that was sent; else raises Malformed
-    truth : returns the traces to grade with, from a secret (None: the public traces) and the settings of a rubric
+    truth : returns the traces to grade with, from a rubric's settings and the instructor's secret: hidden traces, whose scenarios
+        the secret seeds; the public traces if it is None
     match : raises RubricError for traces that do not belong to the settings of a rubric
     brought : returns the instructor's file that a rubric's settings name in place of one of the lab's, None if they name none
     blind_spot : returns what grading with given traces cannot test, in a sentence; "" for nothing
@@ -204,13 +205,14 @@ class Lab:
     def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str:
         """Return the source of a name's stand-in: correct code that replaces a broken definition; FileNotFoundError if it has none.
 
-        ``CONFIGURATION_IMU`` in it becomes the value of ``imu`` in `lab_configuration`, such as the class's sensor names.
+        Each ``CONFIGURATION_KEY`` in it becomes the value of ``key`` in `lab_configuration`, the settings that the worker gets:
+        ``CONFIGURATION_IMU`` becomes the class's sensor names, as Python code. A key that is not set raises KeyError.
         """
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
         return _CONFIGURATION.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
 
     def sheets_own(self, name: str) -> str:
-        """Return the lab sheet's imports and its own definition of `name`; the imports alone if the sheet does not define it."""
+        """Return source to replace a student's `name`: the sheet's ``import`` (not ``from``) lines and its definition, if any."""
         tree = ast.parse((self.folder / "sheet.txt").read_text(encoding="utf-8"))
         imports = [node for node in tree.body if isinstance(node, ast.Import)]
         own = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name]

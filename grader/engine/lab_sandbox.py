@@ -28,9 +28,9 @@ def open_sandbox(
 
     Parameters
     ----------
-    isolation_level : isolation level of the sandbox; None takes the best that this machine allows
-    libraries : modules imported in advance, to save time. A `Marker` adds those of `Lab.libraries` once a submission may import
-        them. A submission imports any other library itself; its points are the same.
+    isolation_level : name of an isolation level; GraderError if this machine does not allow it. None takes the best that it allows
+    libraries : modules imported in advance, to save time. A submission imports any other itself; its points are the same. The
+        grader that uses the sandbox (`Marker`) adds those of `Lab.libraries` once a submission may import them.
     thorough : also run each part of the sandbox's own code once in advance, so that a first use takes none of a submission's time
     """
     return Sandbox(

@@ -1,7 +1,8 @@
 """Report of loading a student's file: the names that it defines, and the module-level statements that failed and were skipped.
 
-A statement may end the process that loads the file, or run too long. The process notes its place before each statement, so that the
-next one can skip it. The place is used for this submission alone, and only if the process has seen no data to reveal by it.
+A statement may end the process that loads the file, or run too long. So the process notes each statement (file and number) before
+it runs, and the next process for this submission skips one that failed so. Student code can forge a note, to reveal hidden numbers
+by what is skipped. So the notes of a process are ignored once it was asked anything that may give it data.
 """
 
 from __future__ import annotations
@@ -172,7 +173,7 @@ class DeadlyStatements:
         return len(self._suspects) + len(self._known)
 
     def to_skip(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
-        """Return (file, worker's number of a statement, reason) of what a process skips where correct code replaces `standins`."""
+        """Return (path, number, reason in words) of each statement to skip in a process where correct code replaces `standins`."""
         return [(each.path, each.number, each.why) for each in self._known if each.applies(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:
@@ -196,8 +197,8 @@ class DeadlyStatements:
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
         """Record the statements that a reply reports as interrupted at their time limit, so that new processes skip them.
 
-        `standins` are the names that correct code replaced in the process that replied. A process in which it replaces other names
-        skips a statement, too, unless the code of one of these names was running when the statement was interrupted.
+        `standins` are the names that correct code replaced in the process that replied. A new process skips the statement if the
+        same names are replaced there, or if no name replaced there had code running when the statement was interrupted.
         """
         beside = frozenset(standins)
         new = [_DeadlyStatement(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]

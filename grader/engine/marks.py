@@ -41,7 +41,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
 
 
 def fits(found: Result, rubric: Rubric) -> bool:
-    """Return whether a rubric can mark a recorded result: all its criteria are in the result; limits, settings, checks agree."""
+    """Return whether a rubric can mark a result without a new run: its criteria were run, with its checks, CPU limits, settings."""
     if found.asked_sha256 != rubric.asked_sha256:
         return False
     asked = {part.id: {check.id for check in part.checks} for part in found.parts if part.checks}
@@ -66,10 +66,11 @@ def _score_before(found: Result, rubric: Rubric) -> float:
 
 
 def earned(found: CheckResult | Unrepaired, most: float, deductions: dict[str, float]) -> float | None:
-    """Return a check's points: the share of `most` that it earned, None if it was not judged.
+    """Return the points of a check, or of its outcome before repairs (`Unrepaired`): its share of `most`; None if not judged.
 
-    If `deductions` (the rubric's fixed points by fault) has every fault of the check, these points are subtracted from `most`
-    instead. They are also removed from `deductions`, so that later checks of the criterion do not lose them again.
+    If it has faults and `deductions` (the rubric's fixed points by fault) has them all, these points are subtracted from `most`
+    instead, down to 0. What was subtracted is also removed from `deductions`, so that later checks of the criterion do not lose
+    it again.
     """
     if found.keeps is None:
         return None

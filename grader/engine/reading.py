@@ -45,7 +45,7 @@ Entry = TypeVar("Entry", bound=Readable)
 
 @dataclass(frozen=True)
 class SingleSubmission:
-    """A folder or file that a `ReadingProcess` reads as one submission. `required` are the files that the lab asks for."""
+    """A folder or file to read as one submission; by the lab's file names in `required`, `read` finds the right folder in it."""
 
     path: Path
     required: tuple[str, ...]

@@ -48,9 +48,9 @@ class Subject(Protocol):
 
 
 def folder_of(lab: Lab) -> Path | None:
-    """Return the folder of the recorder of a lab's ground truth, beside this package; None if missing, as in the students' wheel.
+    """Return the folder, beside this package, of the program that records a lab's ground truth; None if there is no such program.
 
-    The file is looked for and not imported, because an import could run a student's module of the same name.
+    The students' wheel has none. The program is looked for, not imported: an import could run a student's module of the same name.
     """
     package, _, module = lab.recorder.partition(".")
     folder = _SOURCES / package

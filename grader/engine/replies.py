@@ -1,8 +1,8 @@
 """Types and rules for replies of the sandbox. A reply that breaks them is `Malformed`: the check fails, and the grader goes on.
 
-`sandbox.wire` has already checked the frame around a reply. Here its fields are compared with the declared record of the question,
-with limits in its types, and then the arrays that they name with the shape that the question requires. So no check gets a value
-that the worker code could not have sent, even if student code wrote the reply.
+`sandbox.wire` has already checked the frame (message) that holds a reply. Here each question has a `Rule`: the reply's fields must
+fit a type, which also limits their size, and the arrays that they name must have the shapes that the question requires. So no check
+gets a value that the worker code could not have sent, even if student code wrote the reply.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ Asked = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Answer:
-    """A reply of the sandbox (`frame`) while it is validated, with the `fields` and the arrays (`asked`) of its question.
+    """A reply (`frame`) to validate, and the `fields` and arrays (`asked`) of its question, from which the right shapes follow.
 
-    A reply may name each array only once: else a small reply, naming a large array many times, could fill the grader's memory.
+    `array` refuses a name that the reply used before (`named`): else a small reply, naming a large array often, could fill memory.
     """
 
     frame: Frame

@@ -145,9 +145,9 @@ class Repair:
 
 
 class Unrepaired(NamedTuple):
-    """How a check ended on the files as handed in, before the instructor repaired one, to compute `Repair.score_before`.
+    """How a check ended before any repair: the share of its points that it kept (None: not judged), and its faults.
 
-    That is the share of its points that it kept (None: not judged), and its faults.
+    From these `Repair.score_before`, the score of the files as handed in, is computed again if the rubric's points change.
     """
 
     keeps: float | None
@@ -163,9 +163,10 @@ class Result:
     provenance : versions and digests that the result depends on
     extra_credit_cap : None if extensions earn nothing, as on the lab sheet; else the most that they add to the score
     repairs : the patches; if there are any, `criteria` and `extensions` are the results of the repaired copy
-    unrepaired : how each check ended before the repairs, by id
+    unrepaired : how each check of the criteria ended before the repairs, by id
     evidence : charts, and hashes of the code that find similar submissions; no part of the recorded result
-    asked_sha256 : digest of the rubric's limits, settings and own checks; a rubric with the same digest gives points without a run
+    asked_sha256 : digest of the rubric's limits and settings and the instructor's own checks; if a rubric has another digest, its
+        points cannot be computed from this result: the student's code has to run again
     cpu_s : CPU time of this grading, by the grader and the student's code; it is not recorded
     """
 
@@ -226,7 +227,7 @@ class Result:
 
 
 def to_dict(result: Result) -> dict[str, Any]:
-    """Return the result as the data of `result.json`, with the fields in the documented order."""
+    """Return the data of `result.json`, in the documented order, before `to_json` removes what students must not see."""
 
     def part(value: CriterionResult | ExtensionResult) -> dict[str, Any]:
         head: dict[str, Any] = {"id": value.id}
@@ -308,12 +309,12 @@ _UNSEEN = re.compile(
 
 
 def from_dict(record: Mapping[str, Any]) -> Result:
-    """Return the result from the data of `to_dict` (for ``result.json``) or `to_record` (for the database).
+    """Return the result from the data of ``result.json`` or of `to_record`; attributes that the data lacks get their defaults.
 
     Raises
     ------
-    ValueError
-        If the data's schema is not this version's `SCHEMA`, or a field is missing or of another type.
+    ValueError, KeyError, TypeError, AttributeError
+        If the schema is not this version's `SCHEMA` (ValueError), or a field that is needed is missing or of another type.
     """
     if record.get("schema") != SCHEMA:
         raise ValueError(f"not an {SCHEMA} record: schema is {record.get('schema')!r}")

@@ -132,7 +132,8 @@ class NodeReader:
     ) -> dict[str, yaml.Node]:
         """Return a mapping's value nodes by key; add a problem for each missing or unknown key. {} if the node is no mapping.
 
-        `what` names the mapping in problems. A key's name in earlier versions is accepted, as records of classes hold old rubrics.
+        `what` names the mapping in problems. A name that a key had in earlier versions counts as its current name, as records of
+        classes hold old rubrics; if the mapping has both, the earlier name is an unknown key.
         """
         if node is None:
             return {}

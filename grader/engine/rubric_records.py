@@ -97,13 +97,13 @@ class Rubric:
     ----------
     criteria, extensions : in the lab sheet's order, not the file's
     settings : values of the lab's own keys (`Lab.settings`)
-    sha256 : digest of all that points depend on; comments, the order of lines and the late policy do not change it
+    sha256 : digest of all that checks' points depend on; comments, order of criteria, late and repair policies do not change it
     asked_sha256 : digest of all that questions to student code depend on; results recorded under it get points without a new run
     source : name of the file in messages
-    extra_credit_cap : the most points that all extensions add to the score; None if they earn nothing
+    extra_credit_cap : the most that all extensions add: the file's cap, else the sum of their points; None if that sum is 0
     late : None without a late policy
     faults : points to deduct by id of the fault, in place of the share that a check loses
-    own_checks : the instructor's checks beside the file
+    own_checks : name and content of each ``.py`` file of checks that the instructor adds, from a folder beside the rubric
     text, folder : the whole file, and the folder that relative paths in it start from
     """
 

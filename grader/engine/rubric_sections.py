@@ -35,9 +35,10 @@ def read_criteria(reader: NodeReader, node: yaml.Node | None, ids: Sequence[str]
 
 
 def read_extra_credit(reader: NodeReader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """Return the points of an extension without `points` of its own, and the most that all extensions add (None: no limit).
+    """Return the points of an extension without `points` of its own, and the most that all extensions add (None: all their points).
 
-    0 and None without the section `node`, and for a bad value, which `reader` collects as a problem.
+    0 and None stand for a missing or bad value; `reader` collects problems. Without the section `node`, extensions can still have
+    `points` of their own.
     """
     if node is None:
         return 0.0, None
@@ -111,7 +112,7 @@ def divided(points: float, weights: Sequence[float]) -> list[float]:
 
 
 def read_limits(reader: NodeReader, node: yaml.Node | None) -> Limits:
-    """Return the limits of CPU time, 0 for a bad value; `reader` collects problems, such as a call's limit above a submission's."""
+    """Return the limits of CPU time, 0 for a missing or bad one; `reader` collects problems, such as a call's above the total."""
     keys = reader.fields(node, "limits", ("call_cpu_s", "submission_cpu_s"))
     call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
     submission = reader.number(keys.get("submission_cpu_s"), "submission_cpu_s", low=0.1, high=100 * LARGEST)

@@ -86,7 +86,8 @@ class SandboxSession:
     sandbox : provides the workers
     lab : the lab, whose required names may be asked about
     files : the submission's files: relative path -> content
-    above : relative path -> number of levels, for files whose path starts so many levels above the folder with the lab's files
+    above : relative path -> n, for each file from outside the folder with the lab's files: its path starts n levels above that.
+        The worker stores it in its own folder and, if n is at most 2, again n levels above, so that programs find it in both
     lab_configuration : the lab's own settings, such as sensor names, for the worker and for code that replaces broken definitions
     call_cpu_s, submission_cpu_s : limits of CPU time, from the rubric
     waiting : called with a message if an answer takes long; None tells nothing
@@ -144,10 +145,11 @@ class SandboxSession:
 
     @contextmanager
     def beside(self, sheets_own: Collection[str]) -> Iterator[dict[Any, Any]]:
-        """Use, in this context and a new process, the sheet's own code for the names `sheets_own`, and the submission's for others.
+        """Use, in this context and a new process, the lab sheet's code for the names `sheets_own`, the submission's for all others.
 
-        So a caller sees how checks end without the faults in these names. Yields a dict of the answers given in the context, which
-        are discarded at its end unless they are passed to `remember`.
+        So a caller sees how checks end without the faults in these names. No stand-ins (see `replace_broken`) are used: they would
+        accept other arguments than the sheet's. Yields a dict of the answers given in the context, which are discarded at its end
+        unless they are passed to `remember`.
         """
         before = self.broken, self._sheets_own, self._answers
         self.broken, self._sheets_own, self._answers = set(sheets_own), sheets_own, {}
@@ -238,7 +240,7 @@ class SandboxSession:
         return sum(self._used_cpu_s.values())
 
     def account_to(self, part: str) -> None:
-        """Account the time of further questions to `part` (a criterion or ``bonuses``): an endless loop uses up its time alone."""
+        """Account time to `part` from now on (a criterion; ``bonuses``: all extensions); a loop uses up one part's equal share."""
         if part != self._part:
             self._pass_on_prints()
         self._part = part

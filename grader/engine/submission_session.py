@@ -185,7 +185,8 @@ class SubmissionSession(SandboxSession):
         """Add a note to the report, unless it is there already.
 
         When hidden scenarios are graded, `hidden`, if given, replaces `text`, and only a `GraderText` (a constant of the grader's
-        code) is added. Other text is dropped, as it may hold hidden data; `PublicSession` then provides notes about loading.
+        code) is added. Other text is dropped, as it may hold hidden data; the grader then loads the submission again with public
+        data (`PublicSession`) and adds the notes on loading that this yields.
         """
         said = hidden or text
         if self.secret and not isinstance(said, GraderText):

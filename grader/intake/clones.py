@@ -26,11 +26,11 @@ _WITHIN_S = 2.0
 
 
 def branches_note(folder: Path, required: Collection[str]) -> str:
-    """Return a note that names a clone's other branches, those with files of the lab if any have them; "" without other branches.
+    """Return a note on a clone's other branches: those in which git finds files of the lab, else (or without git) all; "" if none.
 
     Parameters
     ----------
-    folder : the clone, whose checked-out branch has no files of the lab
+    folder : the submission, in which no code was found; if it is no git clone, the note is ""
     required : names of the files that the lab asks for
     """
     git = folder / ".git"

@@ -26,8 +26,8 @@ class Download:
     """The top level of a download of a whole class (folder or zip), by which each platform's code recognises its downloads.
 
     `path` is the download, `root` the folder in it whose content counts as the top level ("" for the download itself). `top` says
-    of each name at the top level whether it is a folder; `left` pairs each name left out with the reason. `known` has the names of
-    people of the class, by the number that the platform gives a person.
+    of each name at the top level whether it is a folder; `left` pairs each name left out, such as a link, with the reason.
+    `known`, filled in by the caller, has the roster's names by the platform's user number, to resolve ambiguous file names.
     """
 
     path: Path
@@ -62,9 +62,10 @@ class Download:
 
 
 def open_download(path: Path) -> list[Download]:
-    """Return the download (folder or zip) at `path`, seen from its top; [] for another file.
+    """Return the download (folder or zip) at `path`, seen from its top; [] if there is neither.
 
     If it holds nothing but one folder, a second `Download` follows, seen from that folder, into which a tool may have packed it.
+    Raise RequestError if the folder cannot be listed, or the zip's table of contents is damaged.
     """
     if not os.path.isdir(path) and not zipfile.is_zipfile(path):
         return []

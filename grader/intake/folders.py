@@ -106,12 +106,12 @@ def _entries(folder: str, above: tuple[str, ...], budget: FileBudget) -> list[os
 
 
 def entries_of(folder: Path) -> list[os.DirEntry[str]]:
-    """Return the entries of an instructor's folder, sorted by name.
+    """Return the entries of a folder that the instructor names, such as a class's, sorted by name.
 
     Raises
     ------
     RequestError
-        If the folder cannot be listed.
+        If the folder cannot be listed: an error of the command, where one in a student's folder is only noted in the report.
     """
     try:
         with os.scandir(folder) as entries:

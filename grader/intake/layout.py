@@ -33,10 +33,11 @@ class Layout:
 
 
 def lay_out(budget: FileBudget, required: Collection[str]) -> Layout | None:
-    """Choose the lab's folder among those of a submission, and return it with its files; None if the submission has no code.
+    """Choose the lab's folder in a submission, and return it with its files; None without code up to `MAX_LEVELS` folders down.
 
-    `required` are the names of the files that the lab asks for, by which the folder is found. A file whose name some systems cannot
-    store, or confuse with another file's, is left out and listed in `budget.left`.
+    It is a folder with files that the lab asks for (`required`), or if there is none, with any code; of several the shallowest,
+    then that with most such files. A file in it whose name some systems cannot store, or confuse with another file's, is left out
+    and listed in `budget.left`.
     """
     found = _choose(budget.files, required)
     if found is None:

@@ -44,7 +44,7 @@ def is_code(path: str) -> bool:
 
 
 def is_litter(parts: Sequence[str]) -> bool:
-    """Return whether a path's `parts` show a file left by tools (``.git/HEAD``); `HOME_VERSIONS`, which `check` writes, is none."""
+    """Return whether a path's `parts` show a tool's file (``.git/HEAD``); not ``.imugrade/versions.txt``, which grading reads."""
     if parts[-2:] == HOME_VERSIONS:
         return False
     return any(part in _LITTER_FOLDERS or part.startswith("._") or part.casefold() in _LITTER_FILES for part in parts)

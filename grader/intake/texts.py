@@ -33,7 +33,7 @@ def in_lower_case(budget: FileBudget, required: Collection[str]) -> None:
 def as_programs(budget: FileBudget, required: Collection[str]) -> None:
     """Rename `filters.py.txt` to `filters.py`, because mail programs add `.txt`; a remark reports it.
 
-    In a submission without code `filters.txt` is renamed, too, if `filters.py` is one of the `required` files.
+    If there is no code, `filters.txt` is renamed, too, if `filters.py` is `required`. A file stays if its new name is taken.
     """
     there = set(map(folded, budget.files))
     no_code = not any(map(is_code, budget.files))

@@ -30,9 +30,10 @@ _EDITORS = {
 
 @dataclass(frozen=True)
 class Kit:
-    """Report on files that `imugrade kit` wrote, for students or for a platform that grades.
+    """Report on a kit that `imugrade kit` wrote, for students or for a platform that grades; the command prints it.
 
-    `place` is their path, `title` the platform or "students", `scenarios` a text on whether they grade by public or hidden ones.
+    `place` is the path of the kit's folder or archive, `title` the platform or "students". `scenarios` says whether grading with
+    the kit uses public scenarios, whose ground truth students can read, or hidden ones.
     """
 
     place: Path
@@ -49,9 +50,10 @@ _JOBS = {
 
 
 def job(platform: str, lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Write a platform's CI job, the grader's wheel and the class's package versions into the folder `out`; return the report.
+    """Write a platform's CI job, the grader's wheel and a pip constraints file into the folder `out`; return the report.
 
     `platform` is classroom50, github or gitlab; `rubric` goes into the wheel, None: the shipped one. Other files stay.
+    The constraints pin the lab's packages to the versions installed here, so that the job installs the same.
 
     Raises
     ------
@@ -92,9 +94,10 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
 
 
 def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
-    """Write Gradescope's archive `out` (two scripts, the grader's wheel, the class's package versions); return the report on it.
+    """Write Gradescope's archive `out` (two scripts, the grader's wheel, pip constraints as in `job`); return the report on it.
 
-    `rubric` replaces the lab's own in the wheel. With `hidden`, the ground truth that students do not have, grades come from that.
+    `rubric` replaces the lab's own in the wheel. `hidden` is ground truth that students do not have: it goes into the archive, and
+    grades come from it; None: from the public scenarios.
 
     Raises
     ------

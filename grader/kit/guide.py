@@ -1,5 +1,6 @@
 """The students' guide: the student pages of the documentation and all named faults, as one HTML file that works offline.
 
+Reports name a fault where it explains what the grader found. The guide explains each such fault, and lists all checks.
 Students get no repository, because it holds the solution, so the kit brings them these pages.
 """
 

@@ -1,7 +1,7 @@
-"""Make the students' wheel, which installs `imugrade` without the solution, from the running package, installed or checked out.
+"""Make the students' wheel, which installs `imugrade` without `reference`, the package with the solution.
 
-It is this package without the reference. That needs no build tool: a wheel is a zip archive with three files of its own
-(packaging.python.org, *Binary distribution format*).
+It is made from the running `grader`, installed by pip (from a checkout, too, with `pip install -e`). That needs no build tool: a
+wheel is a zip archive with three files of its own (packaging.python.org, *Binary distribution format*).
 """
 
 from __future__ import annotations
@@ -39,12 +39,13 @@ def name() -> str:
 
 
 def build(lab: Lab, rubric: Path, own: LabFile | None = None) -> bytes:
-    """Return the bytes of the wheel that students and CI jobs install: this package, which lacks the solution, with this rubric.
+    """Return the bytes of the wheel that students and CI jobs install: `grader`, which lacks the solution, with this rubric.
 
     Parameters
     ----------
     rubric : the rubric's file, beside which the instructor's own checks lie; the wheel contains both
-    own : the instructor's file that the rubric names in place of one of the lab's; None if it names none
+    own : the instructor's file, such as a robot model, that the rubric names in place of the lab's; the wheel contains it, and the
+        traces recorded with it in place of the lab's public ones; None if the rubric names none
 
     Raises
     ------

@@ -11,11 +11,11 @@ from grader.engine.results import CheckResult, CriterionResult, Result
 
 @dataclass(frozen=True)
 class Person:
-    """A student who handed in, as platform and roster know them. `key` is the platform's identifier, such as a Canvas user id.
+    """A student of the class, as platform and roster know them. `key` is the platform's identifier, such as a Canvas user id.
 
-    `platform` is the platform of that key; "" if `key` is the name of a folder or an archive. `sid` is the student number, and
-    `ids` holds every other identifier in the person's row of the roster: logins, user names, GitHub names. `listed` is the first
-    number of that row; "" without a roster.
+    `platform` is the platform of that key; "" if none gave it. `sid` is the student number, else another identifier in the person's
+    row of the roster. `ids` are the rest of that row: logins, user names, GitHub names. `listed` is the row's student number, else
+    its first other identifier, so that exports name people as the roster does; "" without either.
     """
 
     name: str
@@ -29,7 +29,7 @@ class Person:
 
     @property
     def number(self) -> str:
-        """The identifier in every exported file: the roster's, else the student number, the platform's key or the e-mail."""
+        """The identifier in exported files: `listed`, else the student number, the platform's key or the e-mail; "" without any."""
         return self.listed or self.sid or self.key or self.email
 
     @property
@@ -126,7 +126,8 @@ class Adjustment:
 class Term:
     """Summand of a final grade, such as the score, or a deduction with negative points.
 
-    `name` is "score", or "total" if an instructor set the total; "bonus" or "extra credit"; "repair" or "late" for deductions.
+    `name` is "score", or "total" if an instructor set the total; "bonus" for points that an instructor added; "extra credit" for
+    points earned by the lab's optional extensions; "repair" or "late" for deductions.
     """
 
     name: str
@@ -227,7 +228,7 @@ class FinalGrade:
 
     @property
     def maximum(self) -> float:
-        """Return the most that a final grade may be: the points of all criteria and the extra credit that the rubric allows."""
+        """Return what a final grade should not exceed: all criteria's points plus the cap on extra credit. More stops an export."""
         return round(self.result.max_score + (self.result.extra_credit_cap or 0.0), 2)
 
     def above_maximum(self) -> list[Adjustment]:
@@ -300,7 +301,7 @@ def untimed(final_grades: Iterable[FinalGrade]) -> list[str]:
 
 
 def graded(final_grades: Iterable[FinalGrade]) -> list[float]:
-    """Return the final grades that are known, without empty and unreadable submissions, for the means and charts of a class."""
+    """Return final grades for class means and charts, without empty, unreadable or partly judged submissions, even overridden."""
     return [each.final for each in final_grades if each.result.status == "graded" and each.final is not None]
 
 
@@ -351,7 +352,7 @@ def summed(points: Mapping[str, float | None]) -> float | None:
 
 
 def maximum_points(result: Result, target: str) -> float | None:
-    """Return the most points that an override may give to `target` (id of a criterion or check, `TOTAL`, `BONUS`); else None."""
+    """Return an override's most points: for `BONUS` the maximum score, for `TOTAL` with extra credit; None for an unknown id."""
     if target == BONUS:
         return result.max_score
     if target == TOTAL:

@@ -83,9 +83,10 @@ class Directory:
         ]
 
     def why_not(self, row: PersonRow) -> str:
-        """Return for a warning why a row has no match; "" if nobody resembles the person in the row.
+        """Return for a warning why a row was left without a match; "" if nobody resembles the person in the row.
 
-        Possible reasons: it fits several submissions; another row means the same person; its identifiers contradict the person's.
+        It fits several submissions, or its identifiers contradict the person's. If it fits just one submission, the reason given is
+        that another row means the same person: other rows are not looked at.
         """
         refused = ""
         for kind, word in _asked(row):

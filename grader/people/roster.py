@@ -209,7 +209,7 @@ class RosterMatch:
     """The hand-ins of a class by submission id, with people as the roster has them, and the rows of the roster that match none.
 
     `rows` has the rows of each hand-in's people, merged into one, by submission id. `absent` has the rows without a hand-in.
-    `doubtful` are warnings, one for each row that contradicts another, or that resembles somebody and matches nobody.
+    `doubtful` are warnings: for each row that contradicts another of the same person, and each in `absent` that resembles somebody.
     """
 
     hand_ins: Mapping[str, HandIn]

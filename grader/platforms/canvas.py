@@ -32,8 +32,9 @@ def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
     """Return a gradebook that Canvas exported, with final grades in the column of the assignment, and without other assignments.
 
     `final_grades` are by submission id; `template.column` is the title, the number or the whole heading of the assignment, None if
-    there is just one. Raise RequestError if the file is no Canvas gradebook, the assignment is missing or ambiguous, or its maximum
-    differs from the rubric's and `template.scaled` is False.
+    there is just one. Cells of excused students and people without a grade are kept, but `template.missing` fills blank cells of
+    students who handed in nothing. Raise RequestError if the file is no Canvas gradebook, the assignment is missing or ambiguous,
+    or its maximum differs from the rubric's and `template.scaled` is False; True scales the points to the file's maximum.
     """
     sheet = read_sheet(template.data, template.source)
     titles, section = sheet.titles, sheet.column("Section")

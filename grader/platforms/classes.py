@@ -60,7 +60,7 @@ class ClassEntry:
 
 @dataclass(frozen=True)
 class Intake:
-    """Submissions found at a class's paths, with a line on each thing not graded (`leftovers`) and each download (`notices`)."""
+    """Submissions of a class. `leftovers`: what is not graded and why; `notices`: each download's kind and submission count."""
 
     entries: tuple[ClassEntry, ...]
     leftovers: tuple[str, ...]

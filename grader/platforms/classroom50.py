@@ -1,7 +1,7 @@
 """Classroom 50: `result.json` in the student's checkout, and `scores.csv` beside the clones (`gh teacher download`).
 
-Scores are integers; the exact ones go beside them. The total is rounded once, half upwards, and shared among the tests by largest
-remainder, so that the parts always sum to it.
+In `result.json` scores are integers; each test has its exact score, too, as `exact-score`. The sum of the checks is rounded once,
+half upwards, and shared among their tests by largest remainder, so that the parts always sum to it. Extra credit is one more test.
 """
 
 from __future__ import annotations

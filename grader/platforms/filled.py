@@ -93,11 +93,12 @@ def fill_in(
     matches: Mapping[int, Match | None],
     final_grades: Mapping[str, FinalGrade],
 ) -> Filled:
-    """Write final grades into `layout.sheet`, and return what happened to each row; `Filled.data` is left to the caller.
+    """Write final grades into `layout.sheet`, and return what happened to each row; the caller sets `Filled.data` from the sheet.
 
     `matches` says by row number which submission a row belongs to; `final_grades` are by submission id. A row whose match is None
-    gets `template.missing` if it is blank and its person handed in nothing. Locked grades, and rows of a submission without a final
-    grade, stay as they are. Raise RequestError if the maximum in the file differs from the rubric's and `template.scaled` is False.
+    gets `template.missing` if its grade is blank, it is a student's, and nobody who handed in resembles that student. Locked
+    grades, and rows of a submission without a final grade, stay as they are. Raise RequestError if the maximum of a row to be
+    graded differs from the rubric's and `template.scaled` is False.
     """
     filled, known = Filled(), directory(final_grades)
     comma = any(

@@ -29,7 +29,7 @@ def commands(result: Result, places: Places) -> str:
     """Return workflow commands, by which GitHub shows messages at lines of code: one per fault and line, largest loss first.
 
     Checks without a known fault share a command if their messages are equal. The last command shows the total score. `places` finds
-    the lines. GitHub shows at most ten commands of a kind for a step of a job.
+    the lines. No command is left out, but GitHub shows only the first ten errors, ten warnings and ten notices of a job's step.
     """
     worst_first = sorted(_annotations(result, places), key=lambda each: -each[1].lost)
     lines = [*(_command(place, cause, result) for place, cause in worst_first), _total_command(result)]
@@ -134,7 +134,7 @@ def _findings(result: Result) -> Iterator[str]:
 
 
 def escaped(text: str) -> str:
-    """Return text without any markup in Markdown or HTML: all but letters, digits and plain characters become entities."""
+    """Return text that Markdown and HTML show unchanged: all but letters, digits and a few harmless signs become entities."""
     return "".join(char if char.isalnum() or char in _PLAIN else _entity(char) for char in text)
 
 

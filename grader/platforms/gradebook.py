@@ -38,8 +38,9 @@ def gradebook(
 
 
 def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = (), missing: str = "") -> str:
-    """Return a class's grades as CSV for an instructor's use, a row for each person; column `final` is the grade after deductions.
+    """Return a class's grades as CSV for `imugrade export`: the columns of `gradebook` and the submission id, a row per person.
 
+    Column `final` is always there: `FinalGrade.final`, after overrides and the deductions for repairs and lateness; blank if None.
     `final_grades` are by submission id. `missing` is the grade of the people in `absent`, who did not hand in; "" for a blank cell.
     """
     columns = _columns(list(final_grades.values()), absent)

@@ -34,8 +34,9 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 
 
 def fill(template: Template, final_grades: Mapping[str, FinalGrade]) -> Filled:
-    """Return Moodle's grading worksheet with grades and comments filled in, to upload again; teachers' comments are kept.
+    """Return Moodle's grading worksheet with grades filled in, each with a comment, to upload again.
 
+    A teacher's comment stays as it is; one from an earlier export is replaced. A file without a comment column gets no comments.
     `final_grades` are by submission id; `template.column` is the title of the grades' column, None for "Grade". Raise RequestError
     if the file has no such column, or the maximum of the assignment differs from the rubric's and `template.scaled` is False.
     """

@@ -57,7 +57,7 @@ class ResultContext:
 
 @dataclass(frozen=True)
 class SecondOutput:
-    """Text, returned by `text`, that a CI job appends to the file named by the environment variable `variable`; none if unset."""
+    """Result of `text`, such as GitHub's summary, which a CI job appends to the file in environment variable `variable`, if set."""
 
     variable: str
     text: Callable[[Result, ResultContext], str]

@@ -69,7 +69,7 @@ def _plain_line(line: words.LabelledLine) -> str:
 
 
 def notes(result: Result) -> list[str]:
-    """Return lines on a submission's repairs and notes, one on each, at most `NOTES_LIMIT`; one more counts the rest."""
+    """Return a line on each repair by an instructor, then the grader's notes on files; after `NOTES_LIMIT`, one counts the rest."""
     lines = [*words.repairs(result), *words.notes(result)]
     more = [f"… and {len(lines) - NOTES_LIMIT} more"] if len(lines) > NOTES_LIMIT else []
     return lines[:NOTES_LIMIT] + more

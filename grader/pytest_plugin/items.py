@@ -71,7 +71,7 @@ class PluginRun:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_make_collect_report(self, collector: pytest.Collector) -> pytest.CollectReport | None:
-        """Report the student's files, in place of test files, if `collector` is the session; None leaves any other to pytest."""
+        """Return the session's CollectReport, with student files in place of test files; None leaves other collectors to pytest."""
         if not isinstance(collector, pytest.Session):
             return None
         files: dict[Path, list[str]] = {}

@@ -29,7 +29,7 @@ class Name:
 
 @dataclass(frozen=True)
 class PluginOptions:
-    """Request to `pytest --imugrade`: a submission's path, and names of criteria and checks; without names, all checks."""
+    """Request to `pytest --imugrade`: a submission's path, and names of files, criteria or checks; without names, all checks."""
 
     path: Path
     named: tuple[Name, ...]
@@ -43,7 +43,8 @@ def options_of(arguments: Sequence[str], criteria: Collection[str]) -> PluginOpt
 
     `criteria` are the ids of the lab's criteria and extensions.
     ``sensor_access`` and ``sensor_access::follows_address`` are names, and so is what pytest and editors call a test:
-    ``imu_reader.py::sensor_access::follows_address``. Any other argument is the path; without one it is the working folder.
+    ``imu_reader.py::sensor_access::follows_address``. A Python file or notebook that exists is also a name: it selects the checks
+    listed under it. Any other argument is the path; without one it is the working folder.
 
     Raises
     ------

@@ -63,7 +63,7 @@ def explained(final_grade: FinalGrade) -> str:
 
 
 def is_composed(final_grade: FinalGrade) -> bool:
-    """Return whether the final grade has overrides, extra points or deductions, so that a page should explain it."""
+    """Return whether a grade has extra points, deductions or (even while `final` is None) overrides, so that pages explain it."""
     return len(final_grade.terms) > 1 or any(not each.alone for each in final_grade.adjustments)
 
 
@@ -95,7 +95,7 @@ def _above(final_grade: FinalGrade) -> str:
 
 
 def late(final_grade: FinalGrade) -> tuple[str, str] | None:
-    """Return two texts: the late deduction; and its reason, such as due and hand-in times. None if the submission is not late."""
+    """Return two texts: the late deduction ("0" if none); how late, due and hand-in times, days, if known. None if not late."""
     late = final_grade.late
     if late is None:
         return None
@@ -144,7 +144,7 @@ def repaired_file(repair: Repair) -> RepairedFile:
 
 
 def diff_lines(diff: str) -> tuple[tuple[str, str], ...]:
-    """Return the lines of a unified diff for a page, each with its kind "same", "added" or "removed", without file names."""
+    """Return the lines of a diff for a page, without file names, as kind and text: "added", "removed", "same" (also for `@@`)."""
     kinds = {"+": "added", "-": "removed"}
     shown = [printable(line, words.TEXT_LIMIT) for line in diff.split("\n")[2:]]
     return tuple((kinds.get(line[:1], "same"), line) for line in shown if line)

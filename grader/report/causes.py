@@ -130,7 +130,7 @@ def parts_of(result: Result, only: str | None) -> list[CriterionResult | Extensi
 def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
     """Group failed checks by fault (their cause): first code that does not run, then the rest, both in the order of lab steps.
 
-    Checks that were not judged have no cause.
+    A skipped check is in `Cause.waiting` if a check of its criterion failed. Checks that the grader could not judge are left out.
     """
     found: dict[tuple[str, ...], list[CheckResult]] = {}
     skipped: dict[str, list[CheckResult]] = {}
@@ -171,7 +171,7 @@ def _does_not_run(check: CheckResult) -> bool:
 
 
 def points_of(check: CheckResult) -> str:
-    """Return a check's points, to show under one of its faults: ``0 / 6``; with several faults what this one cost, ``−1.5``."""
+    """Return a check's points, ``0 / 6``; if it has several faults, those lost by its `Cause` alone, ``−1.5``; "" if worth 0."""
     return (
         words.minus(words.points_lost([check])) if len(check.deducted) > 1 else words.row(check, "", LabName()).points
     )
@@ -241,7 +241,7 @@ def _step(check: CheckResult) -> int:
 
 
 def next_step(found: Iterable[Cause], lab: Lab) -> str:
-    """Return the place of the first cause, where a student continues, as ``Step 2, get_imu_readings``; "" if nothing failed."""
+    """Return where a student continues, ``Step 2, get_imu_readings``: step and function of the first cause, if known; else ""."""
     first = next((each.checks[0] for each in found), None)
     if first is None:
         return ""

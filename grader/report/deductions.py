@@ -43,7 +43,7 @@ class Deduction:
 def deductions(result: Result, catalogue: Mapping[str, FaultRow]) -> list[Deduction]:
     """Return the deductions of a result: code that does not run, then all others, each sorted by points lost, most first.
 
-    Checks that were skipped without a failed check in their criterion come last. `catalogue` has the lab's faults by id.
+    A last entry, "Not graded", counts checks skipped in criteria where no check failed. `catalogue` has the lab's faults by id.
     """
     checks = [check for criterion in result.criteria for check in criterion.checks]
     found = sorted(causes_of(checks), key=lambda cause: (not cause.does_not_run, -cause.lost))

@@ -49,9 +49,10 @@ def listing(lab: Lab) -> str:
 
 
 def groups(lab: Lab) -> dict[str, str]:
-    """Return the headings under which the students' faults are listed, by `FaultRow.group`.
+    """Return the headings under which `imugrade explain`, the guide and the documentation list faults, by `FaultRow.group`.
 
-    That is a criterion's id, "extensions", or "any" for faults that any file can have, such as a syntax error.
+    A group is a criterion's id, "extensions", or "any" for faults that any file can have, such as a syntax error. "checks" has no
+    heading: its rows are texts for checks without a known fault.
     """
     return {**{part.id: part.title for part in lab.parts}, "extensions": "Extensions", "any": "Any file"}
 

@@ -60,7 +60,7 @@ class ItemAnalysis:
 
     @property
     def doubtful(self) -> bool:
-        """Return whether strong submissions fail the check (nearly) as often as weak ones. False if fewer than 30 were judged."""
+        """Return whether strong submissions hardly do better than weak ones: discrimination < 0.1; False if None or < 30 judged."""
         return self.judged >= _ENOUGH and self.discrimination is not None and self.discrimination < _WEAK
 
 

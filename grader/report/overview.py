@@ -250,7 +250,7 @@ def _tags(final_grade: FinalGrade) -> Iterable[str]:
 
 
 def deducting(result: Result) -> list[str]:
-    """Return the ids of a submission's faults, for the class page, without faults found only in extensions, which cost no score."""
+    """Return the ids of faults in a submission's criteria, for the class page. Those in extensions cost at most extra credit."""
     of_criteria = {id_ for part in result.criteria for check in part.checks for id_ in check.misconceptions}
     of_extensions = {id_ for part in result.extensions for check in part.checks for id_ in check.misconceptions}
     return [id_ for id_ in result.misconceptions if id_ in of_criteria or id_ not in of_extensions]
@@ -342,7 +342,7 @@ def isolation(final_grades: Iterable[FinalGrade]) -> list[tuple[str, int]]:
 
 
 def mixtures(results: Iterable[Result]) -> list[str]:
-    """Return what differs in how results were made, so that they are hard to compare, as ``2 rubrics``; [] if nothing does."""
+    """Return what makes results hard to compare, as ``2 rubrics``: unlike grader, rubric, traces or MuJoCo; [] if none is."""
     found: dict[str, set[object]] = {key: set() for key in _SINGLE}
     for result in results:
         for key in _SINGLE:

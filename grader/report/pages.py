@@ -76,7 +76,7 @@ Drawn = Mapping[str, str]
 
 
 def drawn(shown: Iterable[Chart]) -> Drawn:
-    """Render charts as HTML with SVG, by the id of the criterion or extension that they belong to."""
+    """Return charts as HTML (SVG or an embedded PNG) by the id of their criterion or extension; ids without charts are left out."""
     macros: Any = _environment().get_template("charts.html.j2").module
     found: dict[str, str] = {}
     for chart in shown:
@@ -96,9 +96,9 @@ def report_page(
     final_grade
         The result, with overrides and lateness.
     shown
-        Charts of public scenarios.
+        Charts of what the submission did, without data of hidden scenarios, which students must not see; () for none.
     catalogue
-        The lab's faults, by id, with their explanations.
+        The lab's faults, by id, for titles and explanations; None: a fault's title is its id in words, without explanation.
     """
     figures = drawn(shown)
     result = final_grade.result

@@ -74,7 +74,7 @@ def pairs(
 
 
 def own_hashes(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]) -> dict[str, frozenset[int]]:
-    """Return the hashes of each submission's own code, by id: none `given` by the lab or in over half of the class (7 or more)."""
+    """Return each submission's hashes, by id, except those `given` by the lab or in over half of the class (and in at least 7)."""
     own = {id_: frozenset(hashes) - given for id_, hashes in fingerprints.items()}
     counts = Counter(value for hashes in own.values() for value in hashes)
     most = max(_CLASS, _COMMON * len(own))  # handed-out code that the grader does not know

@@ -41,8 +41,9 @@ def screen(
 ) -> list[Text]:
     """Return the lines of a result: code that does not run, totals, next step, deductions by cause, the command to run again.
 
-    Code that does not run, or else the first cause, is shown with all lines, other causes without what to read and to run. Passed
-    checks are folded into the totals, or into one line where only one criterion is shown.
+    A cause is a fault (or a failure without a known fault) with its checks. Code that does not run, or else the first cause, is
+    shown with all lines, others without *Read* and *Reproduce*. Passed checks are folded into one line with `only`, else into the
+    totals, except those that have passed since the last run in a criterion or extension that still lacks points.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def screen(
     only
         The id of the one criterion or extension to show, with all lines; None shows all.
     before
-        The points of each check in the last run, by the check's id; None if there was no such run.
+        The points of each check in the last run, by the check's id, to show what changed; None if there was no such run.
     command
         The command that was called, without options.
     repeat

@@ -1,4 +1,4 @@
-"""List and save bundles of traces, the recorded truth, for `imugrade traces` and the kits."""
+"""List, save and pack traces, the true recordings that submissions are compared with, for `imugrade traces` and `imugrade kit`."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Words, labels and number formats of a result, shared by the terminal, the pages and the CI formats.
 
-Functions here return texts and print nothing. Every text that may come from a submission is made `printable`.
+Functions here return texts and print nothing. In texts that may come from a submission, `printable` escapes control
+characters and cuts what is too long.
 """
 
 from __future__ import annotations

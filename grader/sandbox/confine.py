@@ -75,7 +75,7 @@ def confine(confinement: Confinement, scratch: str) -> None:
 
 @lru_cache(maxsize=2)
 def seccomp_program(confinement: Confinement, pid: int) -> bytes:
-    """Return the seccomp filter, built once per `pid`, for a worker that is process `pid` and may send signals only to itself."""
+    """Return the seccomp filter for a worker that is process `pid` and may signal only itself. Cached: most workers are pid 1."""
     return seccomp.program(confinement.machine, pid, own_files_only=confinement.isolation_level.own_namespaces)
 
 
@@ -113,9 +113,9 @@ def _forbid_files(confinement: Confinement, scratch: str, made: int) -> None:
 
 
 def check_isolation(decoy: str) -> None:
-    """Try what isolation must refuse: open a socket, start a process, read the grader's file `decoy`, write outside the folder.
+    """Try, as a process isolated by `confine`, to open a socket, fork, read `decoy` and write outside its folder: all must fail.
 
-    Raise OSError if one of these succeeds, because the isolation level must then not be used.
+    `decoy` is a file of the grader. Raise OSError at the first attempt that succeeds: the isolation level must then not be used.
     """
     attempts: tuple[tuple[str, Callable[[], object]], ...] = (
         ("a socket could be opened", _open_socket),

@@ -33,11 +33,12 @@ class DeadlineError(Exception):
 
 
 class Deadline:
-    """Time limit of one answer: `cpu_s` seconds of CPU time, or `wall_s` seconds with next to no CPU use, as when code sleeps.
+    """Time limit of one answer: `cpu_s` seconds of CPU time, or `wall_s` idle seconds (at most 2 % of a CPU, as when code sleeps).
 
-    After ten times `wall_s`, or `most_s` if that is less, the answer is cut off whatever the code does. The functions `cpu_clock`
-    and `wall_clock` return the worker's seconds so far. So that grades do not depend on how busy the machine is, `wall_clock`
-    leaves out (on Linux) waits for a processor. Time in which the grader stood still, as after Ctrl-Z, does not count either.
+    After ten times `wall_s`, or `most_s` if that is less, the answer is cut off, idle or not. The functions `cpu_clock` and
+    `wall_clock` return the worker's seconds so far; `wall_s` and `most_s` are measured by `wall_clock`. It leaves out (on Linux)
+    waits for a processor, so that grades do not depend on how busy the machine is. Time in which the grader stood still, as after
+    Ctrl-Z, does not count either.
     """
 
     def __init__(

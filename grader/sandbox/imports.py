@@ -1,4 +1,4 @@
-"""Import the worker code (ours, which runs beside student code) in the sandbox, and a lab's own module of requests."""
+"""Import the worker code (ours, which answers requests about student code) and a lab's package, if any, that answers others."""
 
 from __future__ import annotations
 

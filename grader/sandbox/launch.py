@@ -253,9 +253,10 @@ class Zygote:
             raise ZygoteGoneError(self._log_tail()) from None
 
     def await_end(self, number: int) -> tuple[int, float]:
-        """Wait until worker `number` (1 is the first from `spawn`) ends; return its exit code and the CPU seconds that it used.
+        """Wait for the zygote's report that a worker has ended; return its exit code (negative for a signal) and its CPU seconds.
 
-        Raise ZygoteGoneError if the zygote reports no end within 30 s.
+        The caller has killed the worker before. Its `number` counts from 1, in the order of `spawn`. Raise ZygoteGoneError if no
+        report comes within 30 s, or if the zygote ends first.
         """
         with self._lock:
             self._await_report(self._ended, number, _END_WITHIN_S)

@@ -84,7 +84,8 @@ def enter_as_worker(proc: int) -> None:
 def fork_as_first(own_pid_namespace: int) -> int:
     """Fork a child that is pid 1 of a new pid namespace, so that all that it started ends with it; return as `os.fork` does.
 
-    By `own_pid_namespace`, a pidfd of this process, the parent returns to its own namespace; otherwise the next fork would fail.
+    The parent then returns to its own namespace for later forks, by `own_pid_namespace`, a pidfd of this process. Without that,
+    the next call would fail.
     """
     linux.unshare(linux.CLONE_NEWPID)
     try:

@@ -1,4 +1,4 @@
-"""Request of the grader to a sandbox (`Contents`), and its first message to a zygote, the warm parent of the workers (`Plan`)."""
+"""Set-up of a sandbox: the part that its caller chooses (`Contents`), and all that the zygote, or warm parent, is sent (`Plan`)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Contents:
     worker_code
         A package folder with `warm_up(thorough)` and `answer(op, fields, arrays) -> (fields, arrays)`.
     questions
-        Folder of the lab's package that answers further requests, None without one; `warm_up` gets it as second argument.
+        Folder of the lab's package for further requests, or None. With one, the call is `warm_up(thorough, imported_package)`.
     readable
         Further paths that the sandbox shows read-only.
     packages
@@ -28,7 +28,7 @@ class Contents:
     warm
         Modules imported once for all workers (on the lowest level, by each that needs them); `Sandbox.warm` can add more.
     thorough
-        Whether the worker code also uses each library once before the first worker: it pays if many workers follow.
+        Whether each library is also used once before the first worker: it pays if many workers follow. Ignored on the lowest level.
     """
 
     worker_code: Path

@@ -26,7 +26,7 @@ class Printed:
         self.fd: int = self._file.fileno()
 
     def read(self) -> str:
-        """Return what student code has printed so far, at most 256 KB, undecodable bytes replaced; "" after `close`."""
+        """Return the first 256 KB that the worker has printed (the rest is lost), undecodable bytes replaced; "" after `close`."""
         if self._file.closed:
             return ""
         # The offset is shared with the worker, which may have moved it: clamped, and never moved here.
@@ -36,7 +36,8 @@ class Printed:
     def place(self) -> str:
         """Return the worker's note of the running statement, JSON: [[file, number of the statement]], or [] between statements.
 
-        Before the first statement the text is no JSON, and after `close` or on Windows it is ""; callers ignore both.
+        The number identifies a statement in its file (top-level ones count from 0). While one imports another file, the note is of
+        that file. Before the first statement the text is no JSON, and after `close` or on Windows it is ""; callers ignore both.
         """
         if self._file.closed or not hasattr(os, "pread"):
             return ""

@@ -43,7 +43,7 @@ _GRACE_S = 1.0  # for a process that hung up to end by itself, so that we learn 
 
 
 class Sandbox:
-    """A place for untrusted code: one isolated zygote (warm parent), from which workers are forked in milliseconds.
+    """A place for untrusted code: an isolated zygote (warm parent) forks workers in milliseconds; level "none" starts each anew.
 
     Parameters
     ----------
@@ -204,14 +204,14 @@ class Worker:
         cpu_s
             CPU seconds that the answer may take, all threads together.
         wall_s
-            Seconds that may pass with next to no CPU use, as by code that sleeps; by default max(3 * cpu_s, cpu_s + 20).
+            Idle seconds in all (at most 2 % of a CPU in use, as by code that sleeps); by default max(3 * cpu_s, cpu_s + 20).
         most_s
             Seconds that may pass in all, whatever the code does; ten times `wall_s` if that is less.
 
         Raises
         ------
         TimedOut, Crashed, Malformed
-            If the code in the sandbox takes too long, dies or sends no valid answer; the worker is dead afterwards.
+            If the code in the sandbox takes too long, has died or sends no valid answer; the worker is dead afterwards.
         GraderError
             If the request itself cannot be sent, the machine ran out of memory, or the sandbox itself failed.
         """
@@ -242,7 +242,7 @@ class Worker:
         raise failure
 
     def printed(self) -> str:
-        """Return what the worker printed so far (stdout and stderr), at most 256 KB; after `close`, what it printed in all."""
+        """Return the first 256 KB that the worker has printed (stdout and stderr); after `close`, the text up to then."""
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:

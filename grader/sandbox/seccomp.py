@@ -1,7 +1,8 @@
-"""seccomp: which system calls a worker may make. A call that is not on the list fails with EPERM, as if it were forbidden.
+"""seccomp: which system calls a worker may make. Others fail with EPERM, or ENOSYS if callers then fall back to an older call.
 
-The list is what a broad sound workload needs (simulation, plots, threads, sqlite, archives, asyncio), with room to spare, and none
-of what starts a process, opens a socket or reaches another process. See seccomp(2); the program is classic BPF.
+The list is what honest student code needs (simulation, plots, threads, sqlite, archives, asyncio), with room to spare, and none of
+what starts a process, opens a socket (but a pair within the worker) or reaches another process. A call by another ABI (32-bit, x32)
+kills the worker. See seccomp(2); the program is classic BPF.
 """
 
 from __future__ import annotations

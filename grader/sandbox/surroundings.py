@@ -72,12 +72,12 @@ def _standard() -> tuple[str, ...]:
 
 
 def search(shown: Sequence[str]) -> tuple[str, ...]:
-    """Return `sys.path` for a sandbox: the grader's own entries at or below `shown` (see `visible`), and site-packages."""
+    """Return `sys.path` on levels `full`, `bubblewrap`: the grader's entries at or below `shown` (`visible`), and site-packages."""
     return (*_search_whole(shown), *packages.folders())
 
 
 def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
-    """Return `sys.path` for level `landlock`: the grader's entries at or below `shown` paths, and `links` (see `link_packages`)."""
+    """Return `sys.path` for level `landlock`: as `search`, but with the folder `links` (`link_packages`) for site-packages."""
     return (*_search_whole(shown), links)
 
 
@@ -88,7 +88,7 @@ def _search_whole(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def link_packages(folder: str, libraries: tuple[str, ...]) -> None:
-    """Make `folder` with links to the packages that a sandbox shows (`libraries`, too), so that imports find them there."""
+    """Make `folder` with links to the packages shown (`libraries`, too): on level `landlock`, Python cannot list site-packages."""
     os.makedirs(os.path.join(folder, "__pycache__"), 0o755)
     for path in packages.shown(packages.folders(), libraries):
         parent, name = os.path.split(path)
@@ -127,7 +127,7 @@ def decoy() -> str:
 
 
 def code() -> tuple[str, ...]:
-    """Return the paths of the modules of this package that run in a sandbox; each sandbox shows them or gets a copy."""
+    """Return the host paths of this package's modules that a sandbox runs: in place, or from /sandbox if it has its own root."""
     return tuple(str(_HERE / f"{name}.py") for name in _MODULES_OF_THE_SANDBOX)
 
 

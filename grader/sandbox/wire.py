@@ -97,7 +97,8 @@ def pack(
 def unpack(text: bytes | bytearray, body: bytes | bytearray, caps: Caps = ANSWER) -> Frame:
     """Return the frame (message) that consists of `text`, its JSON, and `body`, the bytes of its arrays.
 
-    Raise WireError if `pack` could not have written them, or if there are more arrays than `caps` allow.
+    Raise WireError if `text` is not a frame's JSON (strict, within `MAX_DEPTH` and `MAX_INTEGER_DIGITS`), if it does not describe
+    `body`, or if there are more arrays than `caps` allow. The sizes in bytes are checked by `Incoming`, from the header.
     """
     message = _parse(bytes(text))
     if not isinstance(message, dict) or set(message) != {"fields", "arrays"}:
@@ -122,7 +123,7 @@ class Incoming:
 
     @property
     def wanted(self) -> int:
-        """Bytes that are still missing; 0 when the frame is complete."""
+        """Bytes to receive next: what is missing of the header, then of the rest; 0 if all have come or the header was refused."""
         return self._total - len(self._data)
 
     def feed(self, chunk: bytes) -> None:

@@ -34,7 +34,7 @@ def run(line: socket.socket, answer: Answer) -> None:
 
 
 def refuse_questions(line: socket.socket, reason: str) -> None:
-    """Tell the grader through the socket `line` the reason why the worker could not be set up; called in place of `run`."""
+    """Tell the grader through `line`, in place of `run`, why the worker could not be set up; the caller then ends the process."""
     line.sendall(wire.pack(NO_NONCE, {"ready": False, "reason": reason}, {}))
 
 

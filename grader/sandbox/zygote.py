@@ -1,10 +1,10 @@
 """The script of a zygote, the warm parent process from which workers are forked; it starts with nothing of the grader in it.
 
-    python -B -s zygote.py CONTROL_FD             a zygote on Linux: waits for a plan, then serves workers
+    python -B -s zygote.py CONTROL_FD             a zygote on Linux: receives its set-up, then serves workers
     python -B -s zygote.py --plain LINE_FD PLAN   one worker without isolation, on any system
 
-It must not import the grader's package, so it makes a private one of the folder that it lies in, and takes the folder off
-`sys.path` before it imports anything.
+The set-up is a `plan.Plan`; PLAN is a short one in JSON (see `plain_worker.start`). As the script must not import the grader's
+package, it makes its own folder a package `_imugrade_sandbox`, and takes the folder off `sys.path` before any import but `sys`.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ _READS_BACK = re.compile(
 
 @dataclass(frozen=True)
 class Preview:
-    """Small picture of a figure, to find visible curves: pixels (h, w, 3), unrounded width and height in pixels, dots per inch."""
+    """Small picture of a figure, to find visible curves: pixels (h, w, 3), exact (w, h) to place curves in it, and its dpi."""
 
     pixels: np.ndarray
     extent: tuple[float, float]

@@ -1,4 +1,4 @@
-"""Runtime environment of student code: lab files where the sheet has them, empty answers to `input`, no waiting, no hooks."""
+"""Runtime environment of student code: lab files are found, `input` returns "", no waiting, trace and audit hooks do nothing."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def use_libraries() -> None:
 
 
 def install(*, run_magic: desktop_stubs.RunMagic) -> None:
-    """Replace, for student code, functions that ask a user, wait, open files or vary from run to run; `run_magic` does ``%run``."""
+    """Replace functions so that student code runs repeatably and without a user (`input` returns ""); `run_magic` does ``%run``."""
     _answer_input()
     compat.install()
     desktop_stubs.install(run_magic)
@@ -64,7 +64,7 @@ def redirect_missing(ending: str, place: str) -> None:
 
 
 def is_redirected(path: Any) -> bool:
-    """Return whether a path, if missing, would lead to another file, such as the lab's model (see `redirect_missing`)."""
+    """Return whether `redirect_missing` gave a file for a path's ending, to load if the path's own file cannot be loaded."""
     return _ending(path) in _INSTEAD
 
 
@@ -165,7 +165,7 @@ def _exit_on_own_signals() -> None:
 
 @contextlib.contextmanager
 def in_scratch_folder(folder: str) -> Iterator[None]:
-    """Change to `folder`, the scratch folder with the submission's files, and run a block; if the block leaves it, change back."""
+    """Run a block in `folder`, the scratch folder with the submission's files; change to it again at the end, even on an error."""
     os.chdir(folder)
     try:
         yield

@@ -73,11 +73,12 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
 
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: import the file or notebook ``path``, in up to ``within_s`` seconds; return a report and figures' arrays.
+    """Answer a request: import the file or notebook ``path``; return a report and figures' arrays.
 
+    A statement that uses half of what is left of ``within_s`` seconds is interrupted (not on Windows), and the next one runs.
     The report holds ``names`` (those that the lab sheet asks for and the file defines), ``supplied`` (names that it forgot to
     import), ``misspelled`` ((right, student's name) pairs), ``unreadable`` (its syntax error or None), ``stepped_over`` (the
-    statements that failed so far, in any file) and ``figures``.
+    statements that failed or were interrupted so far, in any file) and ``figures``.
     """
     del arrays
     path: str = fields["path"]
@@ -91,10 +92,11 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
 
 
 def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer a request: run file ``path`` as `python FILE` does, for up to ``within_s`` s; return a report and figures' arrays.
+    """Answer a request: run file ``path`` as `python FILE` does; return a report and figures' arrays.
 
-    The report holds ``figures``, ``stepped_over`` (failed statements, also of other files), and ``error``, None without one: the
-    file's syntax error or first failed statement, as a dict like that of `faults.describe`.
+    Up to ``within_s`` seconds are shared as in `load`. The report holds ``figures``, ``stepped_over`` (failed or interrupted
+    statements, also of other files), and ``error``: the file's syntax error (if no stand-ins were sent) or its first statement in
+    ``stepped_over``, as a dict like that of `faults.describe`; None without one.
     """
     del arrays
     path: str = fields["path"]

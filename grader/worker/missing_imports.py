@@ -29,7 +29,7 @@ class MissingImports:
     units : the file's statements
     libraries : libraries of the lab sheet, by the names that the sheet imports them under
     wanted : the names that the sheet asks for, some of which partners define
-    find : returns the object that a name stands for; None if there is no such object
+    find : returns the object of a missing name, which is a library or defined by a partner; None if it cannot be had
     """
 
     def __init__(

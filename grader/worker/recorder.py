@@ -30,10 +30,11 @@ class Recorder:
         self._paused = False
 
     def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return the figures recorded since the last `take`; close all figures. With `with_open`, record those still open first.
+        """Return the figures recorded since the last `take`, and close all figures; those still open are recorded first.
 
-        The result is ({"figures": [one dict of panels, texts and curves for each]}, the arrays that these dicts name). Each dict's
-        ``event`` says whether the figure is in a picture file below `folder` (see `match_files_to_figures`).
+        Without `with_open` they are closed unrecorded, for a caller that drops the result. The result is ({"figures": [one dict of
+        panels, texts and curves for each]}, the arrays that these dicts name). Each dict's ``event`` says whether the figure is in
+        a picture file below `folder` (see `match_files_to_figures`).
         """
         import matplotlib.pyplot as plt
 
@@ -60,10 +61,11 @@ class Recorder:
         kind: str = "",
         seen: drawing.Preview | None = None,
     ) -> None:
-        """Record a figure at an `event` such as "saved", if it is not recorded yet; at most twelve figures per `take`.
+        """Record a figure at an `event` such as "saved"; after twelve records, ignore all others until the next `take`.
 
-        A figure that was empty when recorded, or is saved again, is recorded once more. `target`, `dpi` and `kind` (the format) are
-        those of `savefig`; `seen` is the small picture, if it was drawn already.
+        A figure that has a record gets one more only if it is saved now (but not as raw pixels, like a film's frames), or was empty
+        then and is not now. `target`, `dpi` and `kind` (the format) are those of `savefig`; `seen` is the small picture that goes
+        into the record, or None to draw it here.
         """
         filled = any(axes.has_data() for axes in figure.get_axes())
         known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now

@@ -1,6 +1,6 @@
 """Replace randomness and time by repeatable sources, so that the same bytes get the same grade, also on a busy machine.
 
-Libraries keep the real clocks and process id, because a wait or a lock depends on them: each source checks who calls it.
+Libraries get the real process id and a `time.monotonic` that counts real time, too, because a lock or a wait depends on them.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ _BYTES = _Bytes()
 
 
 def install(folder: str) -> None:
-    """Make clocks, random bytes, `np.empty` and process id repeatable; code outside the submission's `folder` gets the real id.
+    """Replace the clocks (by `CLOCK`), random bytes, the contents of `np.empty` and the process id by repeatable ones.
 
-    Such code (libraries) also gets a `time.monotonic` that runs in real time, because its waits depend on it.
+    Libraries (code outside the submission's `folder`) get the real process id and a `time.monotonic` that counts real time, too.
     """
     _LIBRARY.own_folder = folder
     virtual_time.install(CLOCK)

@@ -35,7 +35,7 @@ def fill(path: str, names: dict[str, Any]) -> None:
 
 
 def of_module(module: str) -> dict[str, Any]:
-    """Return {name: stand-in (the grader's definition)} for a module's required names that are broken or missing."""
+    """Return {name: stand-in} for the required names of a module, submitted or not, that the grader sent definitions for."""
     return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
 
 
@@ -57,7 +57,7 @@ def standin_for(own: Any, name: str) -> Any:
 
 
 def misspelled(path: str, units: list[statements.Unit]) -> dict[str, str]:
-    """Return {student's name: required name} for a file's misspelled definitions, found in `units` (statements), to alias them."""
+    """Return {student's name: required name} where `units` lack a name and just one definition is a letter, case or `_` off."""
     pairs = fuzzy_names.misspelled([unit.node for unit in units], STATE.names_expected_in(path))
     return {own: name for name, own in pairs}
 

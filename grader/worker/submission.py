@@ -1,4 +1,4 @@
-"""State of the one submission that this worker process runs, beside its files in the scratch folder."""
+"""State of the one submission that this process runs (`STATE`): its files' paths, loaded modules, required names and faults."""
 
 from __future__ import annotations
 

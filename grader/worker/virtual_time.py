@@ -45,7 +45,7 @@ class Clock:
         self._patience_s = _MAX_PATIENCE_S
 
     def enter(self, thread: object) -> None:
-        """Note that the calling thread is `thread`, which was added before it started; called first in each thread."""
+        """Note that the caller is `thread`, the key given to `add`, so that it waits by this clock; called first in each thread."""
         self._me[get_ident()] = thread
 
     def add(self, thread: object) -> None:
@@ -72,7 +72,7 @@ class Clock:
         return self.passed_s
 
     def wait(self, lock: LockType, seconds: float | None = None) -> bool:
-        """Wait in virtual time until another thread releases a lock; True if acquired, False after `seconds` (None: no limit)."""
+        """Wait in virtual time until a lock is released: True, or False after `seconds`; with None, wait on even in a deadlock."""
         me = self._me.get(get_ident())
         if me is None:
             return lock.acquire(True, -1 if seconds is None else seconds)

@@ -64,7 +64,7 @@ class Summary:
 
 
 def write_sample(lab: Lab, out: Path, folder: Path, size: int) -> list[str]:
-    """Draw up to `size` submissions of the class in `out`; write a page and a table for marks into `folder`; return the next steps.
+    """Write a page and a table into `folder` to mark up to `size` submissions by hand, chosen for many faults; return next steps.
 
     Raises
     ------

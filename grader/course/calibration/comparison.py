@@ -54,9 +54,10 @@ class ComparedCell:
 
     @property
     def kind(self) -> str:
-        """How the points differ from the marks; "" if they agree.
+        """How the grader's points differ from the mean of the marks; "" if they are equal.
 
-        "false deduction": the grader alone deducts; "missed fault": the grader alone does not; else "too mild" or "too hard".
+        "false deduction": the grader deducts, and no person does; "missed fault": the grader does not, and every person does;
+        else "too mild" (above the mean) or "too hard" (below it).
         """
         if abs(self.difference) <= _FULL:
             return ""
@@ -166,9 +167,9 @@ def by_criterion(cells: Sequence[ComparedCell]) -> list[Agreement]:
 
 
 def by_fault(cells: Sequence[ComparedCell]) -> list[Agreement]:
-    """Return the agreement for each fault (diagnosed mistake) in a criterion where points and marks differ, worst first.
+    """Return the agreement for each fault (diagnosed mistake) in a criterion where points and marks differ, largest distance first.
 
-    It covers all `cells` (one criterion of one submission each) with this fault, also those where points and marks agree.
+    A row covers all `cells` (one criterion of one submission each) with this fault, also those where points and marks agree.
     """
     named = dict.fromkeys(fault for cell in cells if cell.kind for fault in cell.faults)
     each = [agreement(fault, [cell for cell in cells if fault in cell.faults]) for fault in named]

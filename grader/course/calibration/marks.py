@@ -48,12 +48,12 @@ class Marks:
 
 
 def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float]) -> Marks:
-    """Read a CSV with one person's marks, to compare them with the grades. Rows without points are left out.
+    """Read one person's marks from a CSV, to compare them with the grades. A row without points is unchecked and gives no mark.
 
     Parameters
     ----------
     path
-        A CSV with the columns `NEEDED`, in any order; the others of `COLUMNS` are optional.
+        A CSV with the columns id, criterion and points, in any order; low, high, comment and rubric are optional.
     find
         Returns the id of the submission that a name or number in the column `id` means.
     most
@@ -62,7 +62,7 @@ def read_marks(path: Path, find: Callable[[str], str], most: Mapping[Cell, float
     Raises
     ------
     RequestError
-        With file and line of the first wrong row.
+        If the file is no such table, or a row is wrong; the message names the file and the line of the first wrong row.
     """
     source = printable(str(path), 500)
     data = read_file(path, _MOST_BYTES, "give the path of a CSV file with marks")

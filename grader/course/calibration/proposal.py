@@ -1,7 +1,7 @@
 """Proposal of new deductions that bring the grades closer to marks given by hand. Nothing here changes a grade.
 
-Only marks where one fault alone is named change its deduction. The proposed value is the mean of what these marks deduct and of the
-present value, which counts as two marks.
+Only marks of criteria in which the grader names one fault alone change this fault's deduction. The proposed value is the mean of
+what these marks deduct and of the present value, which counts as two marks, rounded to half points.
 """
 
 from __future__ import annotations

@@ -46,12 +46,13 @@ class BlindSubmission:
 def draw(results: Mapping[str, Result], size: int) -> list[str]:
     """Return at most `size` ids of submissions to mark by hand, the same for the same results, in an order that reveals no grade.
 
-    Up to a quarter have full points. The rest are chosen one by one, for faults and lost points that the sample lacks so far.
+    Only graded submissions without repairs are chosen, because people mark the files as handed in. A quarter of `size` have full
+    points, if there are enough. The rest are chosen one by one, for faults and lost points that the sample has rarely or not yet.
 
     Raises
     ------
     RequestError
-        If no submission was graded as it was handed in, so that marks could not be compared.
+        If no submission was graded without repairs.
     """
     able = {id_: results[id_] for id_ in sorted(results, key=_shuffled) if is_comparable(results[id_])}
     if not able:

@@ -1,1 +1,1 @@
-"""Files written from the class database: pages and results, exports for platforms, comparisons, and contradictions in them."""
+"""Output of the class database: result files, exports for platforms, comparison of two gradings, grades that cannot be right."""

@@ -21,7 +21,7 @@ _CAUSES = {
 
 
 def lines_of(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Yield lines on how two gradings of a class differ: common causes, changed weights, each changed submission, the means."""
+    """Yield lines on how two gradings differ: causes common to all submissions, weights, each changed submission, mean grades."""
     both = [id_ for id_ in old if id_ in new]
     causes = {id_: _changed(old[id_], new[id_]) for id_ in both}
     common = [cause for cause in _CAUSES.values() if len(both) > 1 and all(cause in each for each in causes.values())]

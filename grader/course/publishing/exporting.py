@@ -33,10 +33,11 @@ _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
 class Export:
     """Request of an export, as the command line or the review desk makes it: class, platform, files and options.
 
-    `target` is the file to write; None: the platform's default name in `out`. `template` is the file that the platform exported,
-    `column` its column to fill. `feedback` is the zip to write the reports to; None: no reports. `scaled` converts points to the
-    maximum of the platform's assignment. `unreadable` is the grade of empty and unreadable submissions, `missing` that of people
-    without a submission: "blank" or "0".
+    `out` is the class's output folder. `target` is the file to write; None: the platform's default name in `out`. `template` is a
+    file that the platform exported, to be filled in; None: a new file. `column` is its column of grades; None: the platform's code
+    finds it. `feedback` is the zip to write the reports to; None: no reports. `scaled` converts points to the maximum of the
+    platform's assignment. `unreadable` is the grade of empty and unreadable submissions, `missing` that of people without a
+    submission: "blank" or "0".
     """
 
     out: Path
@@ -57,15 +58,15 @@ class Draft:
     Attributes
     ----------
     data, graded
-        The file's bytes, and the number of grades in it.
+        The file's bytes, and the number of grades filled in, without those of `missing`.
     blank
-        People of the class without a grade in the file, each with the reason.
+        People who get no grade, each with the reason: not judged, empty or unreadable, or no submission.
     replaced, locked
-        Rows that had another grade, and rows whose grade the platform has locked.
+        Rows of the platform's file whose other grade is replaced, and rows whose grade the platform has locked: it is kept.
     unmatched
-        Rows that match nobody of the class.
+        Rows that match nobody of the class, or not clearly; they are left as they are.
     missing
-        People without a submission who get 0.
+        People without a submission who get 0, not a blank.
     without_row
         Graded submissions that reach no row of the file, with a sentence on each.
     """
@@ -120,7 +121,7 @@ class ExportPlan:
             yield f"graded by other settings than the class: {', '.join(self.other_settings)} (grade them again)"
 
     def write(self) -> tuple[list[str], list[str]]:
-        """Write the grades and any requested reports; return lines on these files, and lines on reports to send by hand."""
+        """Write grades and requested reports, even if `stops`; return lines on files, and on reports the platform may not place."""
         order = self.order
         target = order.target or order.out / order.platform.gradebook
         write_whole(target, self.draft.data)

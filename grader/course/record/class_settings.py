@@ -75,7 +75,7 @@ class ClassSettings:
 
     @classmethod
     def of(cls, rubric: Rubric, people: Roster, attempts: str, traces: Traces) -> ClassSettings:
-        """Return settings made from a rubric, the roster `people`, the attempt to count ("latest" or "best") and `traces`."""
+        """Return settings from a rubric (with its lab and repairs), roster, `attempts` and traces; the caller sets `isolation`."""
         return cls(
             **_of_rubric(rubric),
             roster=people.text,
@@ -114,7 +114,7 @@ def to_json(settings: ClassSettings) -> str:
 
 
 def from_json(text: str) -> ClassSettings:
-    """Parse text from `to_json`; fields of a later version are dropped. Other text raises an error that `database.read` handles."""
+    """Parse JSON from `to_json`; drop unknown fields, give missing ones their default, if any. `database.read` catches errors."""
     record = json.loads(text)
     own = tuple((name, content.encode("utf-8", "surrogateescape")) for name, content in record["own_checks"])
     known = {field.name for field in fields(ClassSettings)}
@@ -145,7 +145,7 @@ def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> li
 def roster_of(settings: ClassSettings | None, path: Path | None = None, zone: tzinfo | None = None) -> Roster:
     """Return the roster of a class: the file at `path`, else the one in its settings; an empty roster without both.
 
-    `zone` is the time zone of times without an offset; None leaves such times out.
+    `zone` is the time zone of a Moodle worksheet's times, or None to ignore them. Any other time without an offset is an error.
 
     Raises
     ------
@@ -229,8 +229,8 @@ def change(
     everyone
         The stored final grade of every submission, by id.
     hand_ins
-        By id of each submission to grade: who handed it in and when, with the new roster; None if the person has several attempts,
-        of which the settings choose one.
+        By id of each submission to grade: who handed it in and when, with the new roster. None if it has several attempts: the
+        stored hand-in is used, and under a new attempt rule another one may count (`Change.chosen_anew`).
     """
     differences = causes(old, new)
     if not differences:
@@ -309,9 +309,10 @@ def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
 
 
 def refuse_other_scenarios(old: ClassSettings | None, traces: Traces) -> None:
-    """Refuse to grade one submission, such as a repaired one, on other scenarios than its class was graded on.
+    """Refuse to grade one submission, such as a repaired one, on other scenarios than the hidden ones of its class.
 
-    RequestError if the class, by its stored settings `old`, has hidden scenarios, and `traces` are recordings of other scenarios.
+    RequestError if the stored settings `old` have hidden scenarios, and `traces` others, as from a wrong secret. A class with
+    public scenarios, or without settings (`old` None), is not checked here.
     """
     if old is not None and old.hidden and old.traces_sha256 != traces.sha256:
         raise RequestError(

@@ -132,7 +132,7 @@ class Database:
         self._db.close()
 
     def changes(self) -> int:
-        """Return a number that changes when another connection writes to the file, so that cached pages are read anew."""
+        """Return a number that changes when a connection other than this writes to the file: then cached results are read anew."""
         return int(self._value("PRAGMA data_version"))
 
     def _value(self, query: str, *parameters: object) -> Any:

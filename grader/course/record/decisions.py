@@ -141,7 +141,7 @@ class Decisions(Database):
     def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
         """Return the adjustments in force by submission id: the last override and the last comment of each target.
 
-        Withdrawn ones are left out. A target is a criterion, a check, the total or the bonus.
+        A withdrawn one is left out, and no earlier one replaces it. A target is a criterion, a check, the total or the bonus.
         """
         last: dict[str, dict[tuple[str, bool], Adjustment]] = {}
         for id_, adjustment in self.history():

@@ -18,7 +18,7 @@ class Drafts(Database):
     """Table of the class database for drafts: what each person has typed into forms of the review desk and not sent."""
 
     def keep_draft(self, author: str, form: str, fields: str) -> None:
-        """Store `fields`, JSON of what `author` typed into the form with this name and did not send, in place of the last draft."""
+        """Store `fields`, JSON of what `author` typed into this form, in place of its last draft; sending calls `drop_draft`."""
         self._write(_TABLE)
         self._write("INSERT OR REPLACE INTO drafts VALUES (?, ?, ?)", author, form, fields)
 

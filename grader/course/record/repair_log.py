@@ -77,9 +77,10 @@ def _logged(row: Sequence[object]) -> LoggedRepair:
 
 
 def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:
-    """Return a digest of a submission and its repairs, the `submission_sha256` in the `Key` of the repaired copy's result.
+    """Return a digest of a submission and its repairs, by which the database finds the stored result of the repaired copy.
 
-    It differs from the digest of the repaired files, so that a student who hands in exactly these files gets no deduction.
+    It differs from the digest of the repaired files, so that a student who hands in exactly these files gets no deduction. Without
+    repairs, use `handed_in.sha256`.
     """
     facts = [handed_in.sha256, *((each.file, each.diff) for each in repairs)]
     return f"repaired-{sha256_of(json.dumps(facts).encode())}"

@@ -82,7 +82,7 @@ class Store(Decisions, RepairLog, Drafts):
             self._make_current(key)
 
     def recall(self, key: Key) -> Result | None:
-        """Return the stored result of this key and make it current, to resume a run; None if it is missing or not fully judged."""
+        """Return this key's stored result, made current, to resume a run; None if it is missing or the grader failed on a check."""
         present = "(SELECT class.seq FROM class WHERE class.id = results.id) IS seq"
         query = f"SELECT record, {present} FROM results {_WHERE} AND status != 'incomplete'"
         with self._errors_in_one_line():
@@ -104,7 +104,7 @@ class Store(Decisions, RepairLog, Drafts):
         return self._write("INSERT OR IGNORE INTO tried VALUES (?)", json.dumps(astuple(key))) > 0
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
-        """Regrade the submission of `key` by `rubric` from a stored result; make the new result current. None if code must run."""
+        """Regrade `key`'s last result, of any rubric, that measured all that `rubric` needs; make it current. None without one."""
         with self._errors_in_one_line(), self._transaction():
             if (found := self._find_regradable(key, rubric)) is None:
                 return None
@@ -172,7 +172,7 @@ class Store(Decisions, RepairLog, Drafts):
         }
 
     def has(self, key: Key, rubric: Rubric) -> bool:
-        """Return whether a fully judged result of `key` is stored, or one that can be regraded by `rubric` without running code."""
+        """Return whether a run can reuse a result: that of `key`, if every check was judged, or another, regraded by `rubric`."""
         if self._value(f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'", *astuple(key)):
             return True
         with self._errors_in_one_line():
@@ -181,8 +181,9 @@ class Store(Decisions, RepairLog, Drafts):
     def remark_class(
         self, mark: Callable[[dict[str, FinalGrade]], dict[str, FinalGrade]], rubric: Rubric
     ) -> dict[str, FinalGrade]:
-        """Regrade a class by `rubric`: give `mark` the present final grades by id; store and return the new ones that it returns.
+        """Regrade a class: give `mark` the present final grades by id; store and return the ones by `rubric` that it returns.
 
+        The new results name `rubric`. If class settings are stored, they get `rubric`, and the results before are kept to compare.
         One transaction covers all: no other process can change a result in between, and nothing is stored if `mark` raises.
         """
         query = "SELECT class.id, submission_sha256, traces_sha256, grader, seq FROM class JOIN results USING (seq)"

@@ -52,7 +52,7 @@ def pack(files: Mapping[str, bytes]) -> bytes:
 
 
 def unpack(record: bytes) -> Kept:
-    """Unpack files that `pack` packed; empty bytes hold none. Damaged bytes raise an error, for `database.read` to handle."""
+    """Return the files that `pack` packed; none for empty bytes. Damage outside pictures raises an error, such as zlib.error."""
     if not record:
         return NOTHING_KEPT
     stream = zlib.decompressobj()

@@ -245,7 +245,7 @@ def targets(final_grade: FinalGrade) -> list[str]:
 
 
 def covering(final_grade: FinalGrade, target: str) -> str:
-    """Return what holds `target`, its criterion or the total, and has an override that replaces its points; "" if nothing does."""
+    """Return the id whose override replaces the points of `target`: a check's criterion, else `total`; "" if there is none."""
     holders = [c.id for c in final_grade.result.criteria if any(check.id == target for check in c.checks)]
     above = [*holders, TOTAL] if target not in (TOTAL, BONUS) else []
     return next((each for each in above if final_grade.adjustment(each)), "")

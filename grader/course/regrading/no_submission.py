@@ -32,7 +32,8 @@ def _by_id(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade
 def blank_grades(settings: ClassSettings | None, final_grades: Mapping[str, FinalGrade]) -> dict[str, FinalGrade]:
     """Return a blank final grade by id for each person of the roster without a submission, so that pages can show them.
 
-    Nothing is stored. `final_grades` holds every submission in the class database; if it is empty, there are no blank grades.
+    Nothing is stored. `final_grades` holds every submission in the class database; a blank grade copies criteria from one of them.
+    Empty without submissions, or if `settings`, which hold the roster, are None or name no roster.
     """
     if not final_grades:
         return {}

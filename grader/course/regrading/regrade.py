@@ -40,7 +40,7 @@ def regraded(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str
 
 
 def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
-    """Regrade a class by another rubric: store and return the final grades, and write gradebook and index, but no reports.
+    """Regrade a class by another rubric: store and return the final grades, write gradebook and index; the caller writes reports.
 
     RequestError, with the class database unchanged, if submissions have to run again, such as for other checks or limits.
     """

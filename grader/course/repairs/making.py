@@ -79,7 +79,7 @@ class Grading:
 
 @dataclass(frozen=True)
 class GradingSettings:
-    """Settings for the grading of repaired copies, by a marker that is opened for them (`opened`) or by a given function (`by`)."""
+    """Settings to grade repaired copies by; `opened` opens a sandbox for it, `by` uses the caller's function, as on the desk."""
 
     rubric: Rubric
     traces: Traces
@@ -285,7 +285,7 @@ def _final_grade(store: Store, who: str) -> FinalGrade:
 
 
 def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
-    """Return a submission as it was handed in, from the class database; RequestError if the database may lack some of its code."""
+    """Return a submission without repairs, as stored; RequestError if no file is, or one beyond the storage limits may be code."""
     sha256 = str(final_grade.result.provenance.get("submission_sha256", ""))
     kept = read(unpack, store.files(sha256))
     if not kept.files or kept.more or any(map(is_code, kept.others)):
@@ -296,7 +296,7 @@ def files_handed_in(store: Store, final_grade: FinalGrade) -> Submission:
 
 
 def publish(out: Path, who: str, grading: Grading) -> None:
-    """Write the pages of a submission (`who`: id, or a student's name, e-mail or number) and its class; `grading` tells the lab."""
+    """Write the pages of `who` (id, name, e-mail or number) and the class; only `grading`'s lab is used, as for fault texts."""
     with Store.existing(out) as store:
         final_grades = store.final_grades()
         write_class(out, final_grades, store, grading.rubric.lab)

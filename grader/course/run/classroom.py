@@ -79,7 +79,7 @@ class RunOutcome:
         return [id_ for id_, result in self.results.items() if result.status == "incomplete"]
 
     def below(self, points: float) -> list[str]:
-        """Return the ids of submissions below `points`, for ``grade --min-score``; those not judged in full are left out."""
+        """Return the ids of complete results (every check was judged) that score below `points`, for ``grade --min-score``."""
         judged = {id_: result for id_, result in self.results.items() if result.status != "incomplete"}
         return [id_ for id_, result in judged.items() if result.score < points]
 
@@ -102,13 +102,14 @@ def lab_on_record(out: Path) -> Lab:
 
 
 def change(request: GradeRequest, found: Class) -> Change | None:
-    """Compute what a run's settings do to the stored scores of `found`, for a person to allow or refuse; None if nothing differs.
+    """Compute what a run's settings do to the stored scores of `found`, for a person to allow or refuse.
+
+    None if no settings are stored, or none that scores depend on differs.
 
     Raises
     ------
     RequestError
-        If the class was graded on hidden scenarios and the request has the public ones, or if the settings change scores and
-        `request.only` limits the run to some submissions.
+        If a class graded on hidden scenarios would get public ones, or scores may change and `request.only` limits the run.
     """
     if not (request.out / FILE_NAME).is_file():
         return None
@@ -164,15 +165,16 @@ def _key(submission: Submission, request: GradeRequest) -> Key:
 
 
 def grade_class(request: GradeRequest, found: Class, progress: ProgressListener) -> RunOutcome:
-    """Grade every submission without a stored result, and write the output folder.
+    """Grade every submission whose stored result cannot be reused, and write the output folder.
 
-    Each result is stored and its files are written as it arrives; the gradebook and the index are written at the end, also when the
-    run is interrupted.
+    One is reused if files, scenarios and version of imugrade are the same, it has all that the rubric needs and no unjudged check,
+    no package that it lacked is installed now, and `request.force` is False. Each result is stored and its files are written as it
+    arrives; the gradebook and the index at the end, also when the run is interrupted.
 
     Raises
     ------
     RequestError
-        If `request.out` cannot be written, nothing here isolates students' code, or scores would change without `request.change`.
+        If `change` raises it, `request.out` is not writable, isolation is too weak, or scores may change without `request.change`.
     GraderError
         If no sandbox can be opened.
     """

@@ -72,7 +72,7 @@ def of_class(entries: Iterable[Readable], rubric: Rubric) -> Missing:
 
 
 def failed(result: Result) -> Mapping[str, float]:
-    """Return the packages of `DISTRIBUTIONS` that failed to import, each with the points lost in all checks with any exception."""
+    """Return the packages of `DISTRIBUTIONS` that failed to import, each with its highest cost: the points lost to exceptions."""
     checks = [check for part in result.parts for check in part.checks]
     texts = (*result.notes, *(check.got for check in checks))
     lost = sum(check.max_points - (check.points or 0.0) for check in checks if check.outcome == "error")
@@ -87,7 +87,7 @@ def many(missing: Missing) -> Missing:
 
 
 def available(lab: Lab) -> set[str]:
-    """Return the names of installed packages that student code can import: `Lab.packages` and others, but not the grader's own."""
+    """Return names that student code can import: of NumPy, matplotlib, `Lab.packages`, and packages not for the grader alone."""
     return {os.path.basename(path).partition(".")[0] for path in packages.shown(packages.folders(), lab.packages)}
 
 

@@ -20,9 +20,9 @@ _A_FEW = 5  # names
 def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
     """Yield warnings about submissions to review, packages that student code lacks, and mismatches with the roster.
 
-    A submission to review has the same files as another, is empty or unreadable, was repaired automatically, timed out, or gave
-    answers that the grader could not read. `absent` are people without a submission, `unknown` submissions that match nobody or
-    several people of the roster.
+    A submission to review has the same files as another, is empty or unreadable, was repaired automatically, timed out in every
+    check, or its code returned something that the grader could not interpret. `absent` are people without a submission, `unknown`
+    submissions that match nobody or several people of the roster.
     """
     for ids in equal(final_grades.values()):
         yield from named_lines("the same files were handed in by", ids)

@@ -1,4 +1,4 @@
-"""Choose the bundle of traces (recorded true sensor data) to grade with: shipped, cached or newly recorded, of either robot."""
+"""Choose the traces (recorded true sensor data) to grade with, of the lab's robot or an instructor's: shipped, cached or new."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _UNFIT = 4  # the reference's exit code where a model cannot be graded
 
 @cache
 def shipped() -> Traces:
-    """Return the package's public traces: of the lab's robot; in a student's kit, of the robot that the instructor grades with."""
+    """Return the package's public traces, no secret to students: of the lab's robot or, in a kit, of the robot that is graded."""
     return load(beside(__package__, "public.npz"))
 
 

@@ -29,7 +29,8 @@ class Collection:
     oddities : how names and shapes differ from the lab sheet's: pairs of a fault's id and a sentence
     changed : names of model fields, such as "opt.timestep", that the call left changed
     error : the exception that the function raised; None if it raised none
-    first_step : the start of the run and later changes of its state, as the student's process reports them (not proven)
+    first_step : the run, to simulate it again: arrays by name for its start, number of steps and later changes of its state, as the
+        student's process reports them (not proven) or the grader assumes them; empty without a plausible report
     absent : the sensor whose rows were not found although those of the other sensor were; its rows are NaN; "" if none
     last_alone : whether only the last row was filled; all rows then have its numbers
     unfilled : whether rows with nothing but NaN were returned; they are zeros here, as in an array of `np.zeros`
@@ -58,7 +59,7 @@ class Collection:
 
     @cached_property
     def filled_rows(self) -> int:
-        """The number of rows up to the last one that is not zero: the rest is an array that code allocated and did not fill."""
+        """Number of rows that all found sensors (one or both) have, up to the last nonzero one: code did not fill the rest."""
         both = zip(SENSORS, self.sensors, strict=True)
         sensors = [rows for key, rows in both if rows is not None and key != self.absent]
         n = min(map(len, sensors))

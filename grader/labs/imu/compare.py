@@ -76,7 +76,7 @@ def thinned(n: int, most: int = 200) -> NDArray[np.intp]:
 
 
 def triple(rows: Array, first: int) -> Array:
-    """Return columns ``first:first+3`` of `rows` (k, n) as (k, 3); NaN beyond the last column, and if `first` is negative."""
+    """Return columns ``first:first+3`` of `rows` as (k, 3) for a true or guessed `first`: NaN past the last, only NaN if < 0."""
     out = np.full((len(rows), 3), np.nan)
     part = rows[:, first : first + 3] if first >= 0 else rows[:, :0]
     out[:, : part.shape[1]] = part

@@ -13,9 +13,9 @@ _MOTIONS = ("standing", "push", "tumbling")
 
 
 def brought(lab: Lab, model: Model) -> LabFile | None:
-    """Return an instructor's own robot, which a rubric names as `model`, as a file with the public traces recorded on it.
+    """Return the robot that a rubric names as `model` in place of the lab's: its MJCF text and public traces, to pack into kits.
 
-    Students' kits get both. None for the lab's own robot, which each kit has.
+    Students get public traces, unlike hidden ones. None for the lab's robot with the lab sheet's sensors, which each kit has.
     """
     if model.is_lab:
         return None

@@ -69,12 +69,12 @@ class Plotting(SubmissionSession):
     ) -> Drawing:
         """Return what `plot_imu_data` draws and saves of a recording, in the first form of the recording that it accepts.
 
-        The forms are, in order: `data`, with the submission's own keys; what the submission's `simulate_and_collect` returns for
-        the sensor `ids`, such as an object; `sheet`, the data under the lab sheet's keys. The next form is tried if the function
-        raises. If it raises for all, the first drawing counts.
+        The forms are, in order: `data`, a dict with the submission's own keys; what its `simulate_and_collect` returns, a dict or
+        not, when the sensors `ids` measure this data; `sheet`, a dict with the lab sheet's keys. If recording or plotting
+        raises, the next is tried. If all raise, the drawing of `data` counts, with its `error`.
 
-        `own_form` says that the submission does not record in the sheet's form: the second form is then also tried if a drawing of
-        `data` lacks a channel. Charts find the drawing by the name `called`.
+        `own_form` says that the submission does not record in the sheet's form: if the drawing of `data` lacks a channel, the
+        second form is then tried too, and counts if it lacks none. Charts find the drawing by the name `called`.
         """
         key = (key_of("plot", {"ids": ids, "own_form": own_form}, data), key_of("plot", {}, sheet))
         return self.once_named(called, key, lambda: self._plot(data, sheet, ids, own_form))
@@ -232,7 +232,7 @@ class Plotting(SubmissionSession):
             return None
 
     def further_scripts(self) -> list[str]:
-        """Return up to three more scripts to run: those with `savefig`, then those never imported; [] if no file has `savefig`."""
+        """Return up to three ungraded .py files to run: with `savefig`, then never imported; [] if no file has `savefig`."""
         code = {path: content for path, content in self.files.items() if path.endswith((".py", ".ipynb"))}
         saving = {path for path, content in code.items() if b"savefig" in content}
         if not saving:

@@ -59,7 +59,7 @@ class Asked:
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
-        """The arrays of this call by the names under which `repro.npz` stores them, the model's text and `expected` among them."""
+        """The arrays of this call by their names in `repro.npz`: inputs, `expected` and, if a model is sent, its MJCF text."""
         model = {"model": np.array(self.fields["model"])} if "model" in self.fields else {}
         expected = {f"expected_{name}": array for name, array in self.expected.items()}
         return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model, **expected}.items()}
@@ -99,7 +99,7 @@ class Recorder(Student):
         self._asked_by: dict[Any, list[Any]] = {}
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
-        """Return the answer to a call, which `ask` makes if `key` is new; record which check, or call in progress, needs it."""
+        """Return question `key`'s answer, from `ask` if new; record it under the question that led to it, else the check."""
         keys = self._asked_by.setdefault(self._asking[-1] if self._asking else self.now, [])
         keys += [key] if key not in keys else []
         self._asking.append(key)
@@ -146,7 +146,7 @@ class Watched(CheckRun):
 
 
 def expected(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Array], truth: Traces) -> dict[str, Array]:
-    """Return the correct arrays with which `imugrade repro`'s program compares a "filter" or "simulate" call; {} if unknown."""
+    """Return the correct arrays, to compare with, of a "filter" call or a "simulate" call whose run `truth` holds; else {}."""
     if op == "filter":
         return {f"output_{i}": _filtered(case, arrays) for i, case in enumerate(fields["cases"])}
     if op == "simulate" and "gravity" not in arrays:

@@ -21,7 +21,7 @@ RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
 
 
 def numbers(node: Node | None, arrays: Arrays) -> Array | None:
-    """Return as one array, from `arrays`, the returned value that the worker describes by `node`; None if it is no array."""
+    """Return as one array from `arrays` what `node` describes: an array, a number, a list or tuple of equal shapes; else None."""
     if node is None:
         return None
     if "key" in node:

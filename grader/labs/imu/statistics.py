@@ -61,7 +61,7 @@ def correlation_bound(values: int) -> float:
 
 
 def geary(standardised: Array) -> float:
-    """Return Geary's ratio of a sample, mean absolute over standard deviation, to test normality: sqrt(2/pi) = 0.798 if normal."""
+    """Return Geary's ratio of values of one spread: mean absolute / standard deviation from their mean; 0.798 if normal."""
     centred = standardised - standardised.mean()
     return float(np.mean(np.abs(centred)) / np.sqrt(np.mean(centred**2)))
 
@@ -91,7 +91,7 @@ def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float
 
 
 def allan_deviation(samples: Array, m: int) -> float:
-    """Return the overlapping Allan deviation of samples (n, …) in clusters of m, one number for all channels; NaN if n < 2 m."""
+    """Return the overlapping Allan deviation of samples (n, …) in clusters of m, RMS over all channels; NaN if n < 2 m."""
     integral = np.concatenate([np.zeros_like(samples[:1]), np.cumsum(samples, axis=0)])
     sums = integral[m:] - integral[:-m]
     steps = sums[m:] - sums[:-m]

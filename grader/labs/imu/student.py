@@ -109,9 +109,9 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """Return what `get_imu_readings` reads (steps, 6) after each step of a run that is simulated again; None if that fails.
+        """Return what `get_imu_readings` reads (steps, 6) after each step of a run that is simulated again.
 
-        `course` is the run: its start and later changes of its state, as in `Collection.first_step`.
+        `course` is the run, as for `replay`. None unless each step gives six finite numbers: the function may be missing, or raise.
         """
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)

@@ -20,8 +20,9 @@ def warm_up(thorough: bool) -> None:
 def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Search as student code could: open all files below ``fields["roots"]``; return the number ``opened``, and ``found`` paths.
 
-    The ``found`` paths, at most 100, have a name of the grader's package or archives, or are sources that hold one of
-    ``fields["phrases"]``. Paths in ``fields["own"]``, which every sandbox needs, are passed over; `op` and `arrays` are not used.
+    Of the opened files, ``found`` lists (at most 100) those whose path shows the grader, such as ``grader/__init__.py`` or
+    ``imugrade*.whl``, and sources (``.py``, ``.pyc``, ``.txt``, ``.ipynb``) that hold one of ``fields["phrases"]``. Paths in
+    ``fields["own"]``, which every sandbox needs, and kernel mounts are passed over; `op` and `arrays` are not used.
     """
     del op, arrays
     phrases = [phrase.encode() for phrase in fields["phrases"]]

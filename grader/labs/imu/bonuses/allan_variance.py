@@ -54,7 +54,7 @@ class AllanRun:
 
     @cached_property
     def curve(self) -> tuple[Array, Array] | None:
-        """Finite averaging times and deviations (k,) of the first column of samples, by time, at most 200; None if not returned."""
+        """Finite times and deviations (k,) of the first column, by time, evenly thinned to 200 at most; None if unreturned."""
         if self.taus is None or self.adev is None:
             return None
         known = np.flatnonzero(np.isfinite(self.taus) & np.isfinite(self.adev[:, 0]))
@@ -156,7 +156,7 @@ class Meaning:
 
 
 def fits(sizes: Array, curve: Array, samples: Array, estimate: Estimate = allan_deviation) -> bool:
-    """Return whether a curve (k,) is the `estimate` of `samples` at cluster sizes (k,), exactly or as far as chance allows."""
+    """Return whether a curve (k,) is `estimate` of `samples` at cluster sizes (k,), or as close as one without overlap comes."""
     usable = (sizes >= 1) & (sizes <= len(samples) // 2)
     wanted = np.array([estimate(samples, int(m)) for m in sizes[usable]])
     if len(wanted) >= _FEWEST and np.allclose(curve[usable], wanted, rtol=_EXACT, atol=0.0):
@@ -243,13 +243,13 @@ class Allan:
 
     @property
     def worst(self) -> Record:
-        """The first record whose curve is not its Allan deviation over seconds, for a message; raises StopIteration if all are."""
+        """First record of white, walk, quantised, mixed whose curve is no Allan deviation over seconds; StopIteration if none."""
         records = (self.records[kind] for kind in _RECORDS)
         return next(each for each in records if not fits(in_seconds(each[0], self.rate), *each[1:]))
 
 
 def measure(student: Student, truth: Traces) -> Allan:
-    """Ask for the curves of five noise records, of an (n, 3) record, and of each of its columns alone; return the answers."""
+    """Ask for curves of `truth`'s five noise records, of its (n, 3) record, and of each column of that alone; return the facts."""
     scenario = truth["allan"]
     rate = float(scenario.scalars["sample_rate_hz"])
     runs = {kind: allan(student, scenario[kind], rate) for kind in dict.fromkeys((*_RECORDS, *KINDS))}

@@ -157,7 +157,7 @@ class Tilt:
 
 
 def measure(student: Student, truth: Traces) -> Tilt:
-    """Run the filter at rest, in three motions (each with its own time limit), and for two turns and a tilt; return the `Tilt`."""
+    """Run the filter at rest, in `truth`'s three motions (no answer to one fails only its check), two turns and a tilt."""
     level, *still = tilt(student, _at_rest(truth["tilt_start"]))
     stops: dict[str, Exception | None] = {
         LEVEL: level.raised,

@@ -45,7 +45,7 @@ class LiveRun:
     Attributes
     ----------
     events : (k, 3) ndarray, each time that the curves had changed: seconds simulated, points drawn, changes so far
-    curves : x and y (n,) of the curves at a few moments, the latest last
+    curves : a pair x, y of (n,) arrays for each curve at each of a few moments spread over the run, in order of time
     simulated : simulated time in all, in seconds
     """
 
@@ -74,9 +74,10 @@ class LiveRun:
 def live(
     student: Student, *, model: str, ids: tuple[int, int], duration_s: float, timestep: float, push: float
 ) -> LiveRun:
-    """Run the student's `live_plot` and return what it drew while it ran.
+    """Ask the student's `live_plot` for `duration_s` of simulated time; return what it drew and, in `error`, what it raised.
 
-    The robot of `model` (MJCF text) starts with the velocity `push` (m/s), so that it moves. `ids` are accelerometer and gyroscope.
+    The robot of `model` (MJCF text) starts with ``qvel[0] = push`` (m/s), so that it moves; its time step is set to `timestep` (s).
+    `ids` are the sensor ids of accelerometer and gyroscope, for code that reads ids as arguments or globals.
     """
     fields = {
         "model": model, "accel_id": ids[0], "gyro_id": ids[1], "duration_s": duration_s, "timestep": timestep, "push": push

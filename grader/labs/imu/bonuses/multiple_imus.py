@@ -35,9 +35,9 @@ class ImuReadings:
 
     Attributes
     ----------
-    calls : for each state, the readings by name of the IMU
+    calls : for each state before an exception: a `Reading` (two vectors) by name of the IMU, in lower case, without a final "_imu"
     later : the first result, looked at again after the next step: a copy has not changed
-    shape : the form of the first result, in words
+    shape : the first result in words, such as "a dictionary with 'torso'", for messages; "nothing" if there is none
     """
 
     calls: tuple[Mapping[str, Reading], ...]
@@ -92,7 +92,7 @@ class World:
 
     @property
     def with_numbers(self) -> Mapping[str, Array]:
-        """Acceleration and angular velocity (6,) returned in the first state, by name, for IMUs with at least one finite number."""
+        """The first state's row (6,) of `read`, by name, to test for copies: only IMUs that have a finite number in it."""
         return {place: rows[0] for place, rows in self.read.items() if np.isfinite(rows[0]).any()}
 
     @property
@@ -137,7 +137,7 @@ class Imus:
 
 
 def measure(student: Student, truth: Traces) -> Imus:
-    """Ask `read_all_imus` about the lab's own robot and a robot with other IMUs, never an instructor's; return the answers."""
+    """Return answers of `read_all_imus` for the lab's robot and a generated one; not an instructor's, which may have one IMU."""
     sheet = truth.scenarios.get("reading_sheet", truth["reading_lab"])
     many = truth["reading_many"]
     lab, other = _world(student, truth, sheet, PLACES), _world(student, truth, many, tuple(many.scalars["places"]))

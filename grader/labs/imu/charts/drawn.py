@@ -25,7 +25,7 @@ _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
 
 def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Chart]:
-    """Yield at most three charts of figures that look different, first from `plot_imu_data` (`plotted`), then from `drawings`."""
+    """Yield at most three charts of unlike figures: `plotted`, by `plot_imu_data`, then `drawings`, by all submitted code."""
     told: set[tuple[object, ...]] = set()
     for drawing in (*([plotted] if plotted else []), *drawings):
         for figure in sorted(drawing.figures, key=lambda figure: not figure.is_saved):

@@ -23,8 +23,9 @@ class Rows(TypedDict):
     """Values for the message of a check that found wrong rows in a recording: counts, and the row furthest from the truth.
 
     `n` counts all rows, `filled` the rows up to the last that is not zero, `steps` the time steps. The rows are late or early by
-    `late` samples, never negative. The others are text: `changed` says what the code changed of the model, `of` names the key of
-    the sensor if only one is wrong ("" for both), `wanted` and `came` hold the right numbers and the student's of that row.
+    `late` samples, without a sign: the fault's text says which of the two. The others are text: `changed` says what the code
+    changed of the model, `of` names the key of the row's sensor if the other sensor is right (else ""), `wanted` and `came` hold
+    the right numbers and the student's of that row.
     """
 
     n: int

@@ -139,9 +139,10 @@ class Explained:
 
     @property
     def keeps_timestep(self) -> Run | None:
-        """The run whose stamps have a time step that is not its own; None if none has.
+        """The run whose time stamps are spaced by a time step that is not its own, as if hard-coded; None if there is none.
 
-        That is the first run with the step of the students' model, or the later run, at another step, with that of the first.
+        The first run counts if its stamps have the time step of the model that students have. The later run is looked at only if
+        the first run's stamps are right, and counts if its own have the first run's time step.
         """
         push, later = self.facts.push, self.facts.later
         if self.stamps_off > TIME_ATOL:
@@ -193,16 +194,17 @@ class Explained:
 
     @property
     def true_rows(self) -> tuple[Array, Array]:
-        """Acceleration and angular velocity, each (rows, 3), that right code records.
+        """Acceleration and angular velocity, each (rows, 3), that right code records from the start of the student's run.
 
-        It starts from the positions and velocities that the student's code set, or else from those of the scenario.
+        The worker reports that start, so that a wrong one makes no rows wrong. The scenario's start is taken if the rows come from
+        it, if no reported start was simulated, or if the code sets the start again in every pass of its loop.
         """
         worlds = self.facts.push.worlds
         from_truth = self.starts_over or (self.push is not None and self.push.world == TRUE_WORLD)
         return worlds[TRUE_WORLD] if from_truth else worlds.get(CLAIMED_WORLD, worlds[TRUE_WORLD])
 
     def is_right(self, which: int) -> bool:
-        """Return whether a sensor (0 accelerometer, 1 gyroscope) has the rows of right code; False if these show no motion."""
+        """Return whether a sensor (0 accelerometer, 1 gyroscope) has right code's rows; False if right code's are constant."""
         got, true, atol = self.series.sensors[which], self.true_rows[which], (ATOL_ACCELERATION, ATOL_RATE)[which]
         return got is not None and deviation(got, true).worst <= atol and moves(true, atol, slice(len(got)))
 
@@ -230,7 +232,7 @@ class Explained:
 
     @property
     def nearly(self) -> bool:
-        """Return whether both sensors' rows differ from right code's by at most the sheet's noise: an alteration costs half."""
+        """Return whether no row errs by more than the sheet's noise (1 sigma): then altered rows cost half of `matches_truth`."""
         both = zip(self.series.sensors, self.true_rows, SHEETS_NOISE, strict=True)
         return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 
@@ -255,7 +257,7 @@ class Explained:
 
     @property
     def skips_steps(self) -> bool:
-        """Return whether rows leave out steps and stop too early: the fault `samples-skipped` of the check `matches_truth`."""
+        """Return whether rows skip steps and end too early or late: `samples-skipped`; if they end right, `sample_count` judges."""
         return (
             self.push is not None
             and self.push.skip != 1
@@ -285,7 +287,7 @@ class Explained:
 
     @property
     def second_is_empty(self) -> bool:
-        """Return whether only the second recording, begun with data not reset, has no rows: the fault `ignores-duration`."""
+        """Return whether only the second recording has no rows, despite its duration: `ignores-duration`; False if it failed."""
         return self.facts.later is not None and self.facts.push.length > 0 and not self.facts.later.length
 
     @property

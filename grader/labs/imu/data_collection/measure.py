@@ -121,13 +121,13 @@ class Run:
 
     @property
     def timestep(self) -> float:
-        """Time step (s) that gives the run's number of steps: the model's, or another that the code left in the model."""
+        """Time step (s) reported for the start, if it is reported and the call left the model's changed; else `model_timestep`."""
         changed = "opt.timestep" in self.series.changed and "timestep" in self.series.first_step
         return float(self.series.first_step["timestep"][0]) if changed else self.model_timestep
 
     @property
     def steps(self) -> int:
-        """Number of time steps in the duration of the run, and so of the rows that are expected."""
+        """Number of rows expected, one a step: `model_steps`, or `duration_s / timestep` rounded, if code changed the time step."""
         changed = self.timestep != self.model_timestep and self.timestep > 0
         return round(self.duration_s / self.timestep) if changed else self.model_steps
 
@@ -180,7 +180,7 @@ def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
 
 
 def asked(student: Student, truth: Traces, name: str) -> Collection:
-    """Return the recording of scenario `name`: "push", or "push_dirty" with another time step and data that is not reset."""
+    """Have student code record "push" or "push_dirty" (other time step, data not reset); return all rows, or none and `error`."""
     scenario = truth[name]
     duration_s, timestep = (float(scenario.scalars[key]) for key in ("duration_s", "timestep"))
     if name == "push":
@@ -270,7 +270,7 @@ _OTHER_PUSHES = ((0, 0.0), (0, _PUSH / 2), (0, 2 * _PUSH), (0, -_PUSH), (1, _PUS
 def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
     """Return the run with another simulated run, from the start that the worker reported, read by the student's `get_imu_readings`.
 
-    Rows that match it are no fault of the recording. If the function fails, the run is unchanged.
+    Rows that match it are no fault of the recording. If the function fails, the run is unchanged. `run` must have a `claim`.
     """
     steps = len(run.worlds[CLAIMED_WORLD][0])
     rows = student.read_along(run.series.first_step, steps, torso_ids(truth))
@@ -278,9 +278,10 @@ def with_own_reader(student: Student, truth: Traces, run: Run) -> Run:
 
 
 def follows_simulation(student: Student, truth: Traces, run: Run) -> bool:
-    """Return whether the student's rows change with gravity as simulated ones do; False for rows that are stored in the file.
+    """Return whether the student's accelerations change with gravity as simulated ones do; False for rows stored in the file.
 
-    A recording with tilted gravity is compared with `run`; False without one. If all rows are equal, only the first one counts.
+    A second recording, with tilted gravity, is compared with `run`; False if it fails, or if one of the two cannot be simulated. If
+    all rows of `run` are equal, nothing is simulated: the first rows of the two recordings have to differ.
     """
     try:
         leaning = _record_leaning(student, truth)
@@ -333,12 +334,12 @@ def all_alike(series: Collection) -> bool:
 
 
 def rows_left(series: Collection, before: Collection | None = None) -> int:
-    """Return how many first rows of a recording are left from earlier runs, because the submission's list outlives the call.
+    """Return how many first rows of a recording are left from earlier runs (or 0), as the submission's list outlives the call.
 
     Parameters
     ----------
-    before : the earlier recording in the same process; None for the first one. If `series` does not begin with its rows, `series`
-        is searched for the same rows twice: the file may have recorded once when it was imported
+    before : the earlier recording in the same process; None for the first one. If it is None or `series` does not begin with its
+        rows, those before the last repetition of the first rows of `series` count: importing the file may have recorded them
     """
     if series.time is None or series.acceleration is None or series.angular_velocity is None:
         return 0

@@ -68,7 +68,7 @@ class RowOrigin:
     def fits(self, run: Run) -> bool:
         """Return whether this origin predicts a recording's rows; False if too few rows can be compared.
 
-        Zero rows at the end are left out, unless this is an origin of numbers that the code changed (`altered`).
+        Rows of zeros at the end count as never filled and are left out, unless `altered` is set: code may have made these zeros.
         """
         accel, gyro = run.series.sensors
         if accel is None or gyro is None or self.world not in run.worlds:
@@ -123,7 +123,7 @@ def moves(true: Array, atol: float, rows: Rows) -> bool:
 
 
 def explain(run: Run) -> RowOrigin | None:
-    """Return the simplest `RowOrigin` that predicts a recording's rows; None if none does, or if equally simple ones disagree."""
+    """Return the origin with fewest faults that predicts the run's rows; None if none does, or if such origins differ in fault."""
     return hypothesis.first_that_fits(_by_cost(run), run)
 
 

@@ -115,7 +115,7 @@ class Ownership:
 
     @property
     def remembers(self) -> bool:
-        """Return whether earlier measurements change outputs by far more than a rerun does; True if outputs are not all finite."""
+        """Return whether the filter has memory: another past changes outputs far more than a rerun; True if one is inf or NaN."""
         if not np.isfinite([self.alone, self.again, self.another_past]).all():
             return True  # nobody knows
         chance = np.abs(self.again - self.alone)[_PAST:].max()
@@ -183,18 +183,18 @@ class Facts:
 
     @cached_property
     def off(self) -> list[NDArray[np.bool_]]:
-        """For each run, a mask of the outputs from the second on that do not follow from the previous output as on the sheet."""
+        """For each of `runs`, a mask (n - 1,): outputs from the second on that miss the sheet's recursion by over 1e-5 m/s²."""
         return [run.off > ATOL for run in self.runs]
 
     @property
     def weights(self) -> list[tuple[float, float]]:
-        """The weights (a, b) of ``y[n] = a x[n] + b y[n-1]`` of each run; empty if one run is no such recursion."""
+        """Weights (a, b) of ``y[n] = a x[n] + b y[n-1]`` for each of `runs`, in order; empty if `Run.weights` is None for one."""
         found = [run.weights for run in self.runs if run.weights is not None]
         return found if len(found) == len(self.runs) else []
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Run a new filter on each case of `asked`, in new processes if the second filter raises but not the first; return `Facts`."""
+    """Run a filter per case of `asked(truth["filter"])`; if the second raises, not the first, each from it on in a new process."""
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
     if runs[0].error or not runs[1].error:

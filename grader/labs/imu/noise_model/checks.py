@@ -40,10 +40,11 @@ class Spread(Bias):
 
 
 class GivenBias(Bias):
-    """Values, all text but `grain`, for the message on a given bias that is not added: the sensor, its unit, and vectors.
+    """Values, all text but `grain`, for the message on reads whose bias is not the given one: the sensor, its unit, and vectors.
 
-    `wanted` is the given bias, `came` the mean error in the worst robot state. In the first state, `beside` is the mean error minus
-    the given bias, `silent` the mean error when no noise and a bias of zero are asked for. `grain` is the rounding step, 0 without.
+    `wanted` is the given bias, `came` the mean error of the reads in whichever of the two robot states it is furthest from that.
+    Both of the first state, for comparison: `beside`, the mean error minus the given bias, and `silent`, the mean error when no
+    noise and a bias of zero are asked for. `grain` is the rounding step, 0 without.
     """
 
     wanted: str

@@ -84,7 +84,7 @@ def no_draw(facts: Facts) -> bool:
 
 
 def counts(facts: Facts) -> bool:
-    """Return whether reads change although neither sensor has noise, as with a counter or rare events; False if all are equal."""
+    """Return whether reads change, but rarely or predictably (a counter); False if all are equal or either sensor has noise."""
     return facts.noiseless and not all(sensor.reads.still for sensor in facts.sensors)
 
 
@@ -200,7 +200,7 @@ def _is_rounded_off(facts: Facts) -> bool:
 
 
 def missing_bias(facts: Facts) -> list[int]:
-    """Return the sensors (0, 1) whose mean is wrong because the given bias was not added, or the two sensors are exchanged."""
+    """Return the sensors (0, 1) with a wrong mean, unless seeded reads show the given bias added; both if readings are swapped."""
     exchanged = offset_fault(facts) == "swapped-sensors"
     return [i for i in _off(facts) if exchanged or not _is_added(facts.sensors[i])]
 
@@ -287,7 +287,7 @@ def _is_shared(facts: Facts) -> bool:
 
 
 def odd_laws(facts: Facts) -> list[int]:
-    """Return the sensors (0, 1) whose noise is not white, normal and zero-mean; both if it is only rounded, or absent in both."""
+    """Return the sensors (0, 1) with noise not white and normal, else `off_centre`, else both if one rounds or neither is noisy."""
     odd = sensors_that(facts, lambda s: s.law_is_off) or off_centre(facts)
     return odd or ([*BOTH] if grain(facts) or facts.noiseless else [])
 

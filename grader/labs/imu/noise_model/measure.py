@@ -52,10 +52,11 @@ class Sensor:
     ----------
     reads : many reads in two states, with noise and a bias that is given
     silent : fewer reads, without noise and with a given bias of zero
-    default : (instances, reads, 3) biases of instances that were given none: readings without noise minus the truth. If these
-        vary or show no bias, readings with the same noise in each, minus the first instance's first; NaN if none show the bias
+    default : (instances, reads, 3) biases drawn as none was given: readings without noise minus the truth. If noise hides them or
+        none shows, readings with one draw of noise for all, minus the first of these; NaN if the biases cannot be measured
     drifts : whether the bias moves slowly from read to read
-    twins : reads with one seed and one argument changed; `UNSEEDED` (no reads) if noise and bias are right or reading failed
+    twins : reads with one seed and one argument changed, to find a fault; `UNSEEDED` (no reads) if none is sought, as both sensors
+        have noise of the right size, the right bias and no drift, or if reading failed
     """
 
     reads: Reads
@@ -257,7 +258,7 @@ def _require_usable(run: NoiseRun) -> None:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Return the `Facts` of a noise model by reads with and without noise; if these show a fault, also by reads from one seed."""
+    """Return the `Facts` of a noise model in the robot states of `truth`; `stopped` names the checks that failed reads end."""
     ask = _Questions(student, truth)
     failing: tuple[str, ...] = (*ALL, "leaves_simulation_alone")
     disturbance = np.zeros(4)

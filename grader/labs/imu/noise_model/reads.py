@@ -1,8 +1,8 @@
 """Properties of one sensor's reads: mean and spread, the distribution of the noise, and dependence on earlier reads.
 
-A correct noise model fails a statistical test with probability `statistics.ALPHA`. No tolerance depends on the readings: what a
-fault makes impossible to measure is lost with that fault. `Twins` are reads of instances with the same seed and one parameter
-changed: in their difference everything else cancels.
+A correct noise model fails a statistical test with probability `statistics.ALPHA`. `bias_is_right` and `size_is_right` allow for
+noise of the standard deviation that was asked for; `is_centred` allows for the spread that the reads have, `mean_bound` for the
+larger of both. `Twins` are reads of instances with the same seed and one parameter changed: all else cancels in their difference.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ class Reads:
 
     @cached_property
     def still(self) -> bool:
-        """Return whether all reads in one state are equal, as without noise or with one draw that is repeated."""
+        """Return whether the reads in each state are all equal, as without noise or with one draw that is repeated."""
         return bool(np.all(self.spread <= EXACT * self.std))
 
     @cached_property
@@ -98,7 +98,7 @@ class Reads:
 
     @cached_property
     def unpredicted(self) -> float:
-        """RMS error (m/s², rad/s) of reads predicted from the 16 before each, as a measure of chance; 0 if not computable."""
+        """Random part: RMS error (m/s², rad/s) of predictions by up to 16 reads before; 0 if all are equal, or no fit exists."""
         if not 0 < self.pooled_spread < np.inf:
             return 0.0
         lags = min(_LAGS, self.residual.shape[1] // 4)
@@ -326,7 +326,7 @@ class Twins:
         return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL)
 
     def begins_with_bias(self) -> bool:
-        """Return whether `change` in the given bias adds as much to the first read, to 5 %; False if not `seeded`."""
+        """Return whether `change` adds as much to the first read (to 5 %): the test for a drifting bias; False if not `seeded`."""
         return self.seeded and same(self.response[0], self.change, 0.05 * float(np.abs(self.change).max()))
 
     def ignores_bias(self) -> bool:

@@ -66,7 +66,7 @@ class Explained:
 
     @property
     def places(self) -> list[str]:
-        """Ids of the faults of the address that is read; without any, `hard-coded-address` if other ids have no effect or fail."""
+        """Ids of address faults, or else `hard-coded-address` if another IMU's ids change nothing or raise errors like KeyError."""
         known = _named_places([each for each in self.sensors if each])
         raised = any(v.error.type in _NOT_FOUND for v in self.facts.others if v.error)
         return known or ["hard-coded-address"] * (self._ids_are_ignored or raised)
@@ -94,9 +94,9 @@ class Explained:
 
     @property
     def share_altered(self) -> float:
-        """Share of the points of `matches_truth` that wrong values cost: 0.75 for accelerations, 0.5 for angular velocities.
+        """Share of `matches_truth` points that wrong values cost: 0.75 if only acceleration is wrong, 0.5 if only angular velocity.
 
-        It is 1 if both or neither of the robot's own IMU are wrong (then other IMUs are), or if the code removes gravity.
+        It is 1 if both sensors of the robot's own IMU are wrong, if only other IMUs are, or if the code removes gravity.
         """
         whole = len(self.wrong_on_torso) != 1 or "gravity-removed" in self.values
         return 1.0 if whole else _ONE_ALTERED[self.wrong_on_torso[0]]
@@ -111,9 +111,9 @@ class Explained:
         return sum(bool(each and each.place) for each in self.sensors) / len(BOTH)
 
     def altered(self) -> tuple[Visit, int] | None:
-        """Return readings that are altered, missing or unexplained, with 0 (accelerometer) or 1 (gyroscope); or None.
+        """Return the first altered, missing or unexplained readings, and 0 (accelerometer) or 1 (gyroscope), to show; or None.
 
-        A message shows them. The robot's own IMU comes first, then other IMUs of which at least half of the numbers are right.
+        The robot's own IMU comes first. Other IMUs follow if half of their numbers for the sensor are right; else see `misplaced`.
         """
         wrong = self.wrong_on_torso
         others = ((v, i) for v in self.facts.visits[1:] for i in BOTH if self._partly_right(i) and not self._fits(v, i))
@@ -139,7 +139,7 @@ class Explained:
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Return whether the robot's accelerometer (0) or gyroscope (1) gave missing, infinite or NaN values at a right address."""
+        """Return whether the robot's accelerometer (0) or gyroscope (1) has missing or non-finite values and no address fault."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 
@@ -188,9 +188,10 @@ def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
 def measured(student: Student, truth: Traces) -> Explained:
     """Measure `get_imu_readings`; return the facts with the hypotheses that explain them.
 
-    The checks `follows_address`, `reading_is_a_copy` and `leaves_simulation_alone` are skipped if readings never change, unless a
-    reset of the simulation or a fault other than `cached-reading` explains that. They are also skipped if readings change, but
-    follow neither a hypothesis nor the robot's state.
+    Constant or random numbers could pass `follows_address`, `reading_is_a_copy` and `leaves_simulation_alone`. These are skipped if
+    readings never change, unless the code changes qpos (as by a reset) or hypotheses without `cached-reading` explain both sensors.
+    They are also skipped if readings change and a sensor is unexplained, and the readings do not follow the simulator's state, have
+    no finite number, or take fewer than four values, as signs do.
     """
     facts = facts_of.measure(student, truth)
     if facts.stopped:

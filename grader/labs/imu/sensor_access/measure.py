@@ -1,4 +1,4 @@
-"""Facts about `get_imu_readings`: what it returns for each IMU of two models, and what the simulator holds meanwhile."""
+"""Facts about `get_imu_readings`: its values for each IMU of the robot and of a generated model, and the simulator's data then."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Scene:
 
     @property
     def torso(self) -> Scene:
-        """Return the scene of the model's first IMU, the torso's, which code may read by its name whatever ids it gets."""
+        """Return the torso's scene, `first` or else this one: faulty code may read the torso by its name whatever ids it gets."""
         return self.first or self
 
     def at(self, first: int) -> Array:
@@ -73,7 +73,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Visit:
-    """Results of `get_imu_readings` for an IMU in k states (`scene`): `got`, two arrays (k, 3), NaN if missing, and `error`."""
+    """Readings of an IMU in k states (`scene`): `got`, two arrays (k, 3), NaN for no number; `error`, the exception, or None."""
 
     scene: Scene
     got: tuple[Array, Array]
@@ -110,7 +110,7 @@ class Facts:
 
     @property
     def visits(self) -> list[Visit]:
-        """The readings of each IMU for which `get_imu_readings` did not raise, the robot's own IMU first."""
+        """The readings without `error`, the torso's first; an exception at one IMU leaves out all that were asked for with it."""
         return [visit for visit in (self.torso, *self.others) if visit.error is None]
 
 

@@ -37,7 +37,7 @@ class Comparison:
 
     @property
     def noisy(self) -> bool:
-        """Return whether a saved raw curve has noise, as the sheet asks; True also if the noise model lost points (`clean`)."""
+        """Return whether a saved raw curve has noise, or the attribute `clean` is set: a faulty noise model loses points once."""
         return self.clean or any(pair.noisy for pairs in self.saved for pair in pairs)
 
     @property
@@ -54,10 +54,10 @@ class Comparison:
 
 
 def measure(student: Student) -> Comparison:
-    """Run the submission's files until one saves a figure of noisy and filtered data; `saved` of the result is empty if none does.
+    """Run the submission's files until one saves a noisy raw curve and its filtered one (`Comparison.noisy`); return its pairs.
 
-    A saved figure without noise counts only if no other figure of two or more curves is named as the comparison: in any plot of a
-    robot that comes to rest, one channel is smoother than another.
+    If none does, take the first file that saves pairs without noise, unless another figure of two or more curves is named as the
+    comparison: in any plot of a robot that comes to rest, one channel is smoother than another. `saved` is empty without either.
     """
     drawn, meant = False, (0, "")
     error: StudentError | None = None

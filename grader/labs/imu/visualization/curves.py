@@ -116,7 +116,7 @@ class Plot:
 
     @property
     def titled_panels(self) -> list[Panel]:
-        """The panels that need a title: those that show data (if none does, all), without insets, which repeat another panel."""
+        """The `main_panels` that need a title: those that show a channel, not only other numbers; if none does, all of them."""
         return [panel for panel in self.main_panels if panel.shown] or self.main_panels
 
     def of_sensor(self, sensor: int) -> list[Panel]:
@@ -171,7 +171,7 @@ class Plot:
 
     @property
     def is_cropped(self) -> bool:
-        """True if curves leave the axis limits, or the code sets y limits itself: the limits may then cut off other data, too."""
+        """True if curves leave the axis limits or the code sets y limits: a plot of the sheet's push then tells what is cut off."""
         return any(panel.axes.own_height for panel in self.panels) or any(s.share_inside < 1 for s in self.shown)
 
 
@@ -228,7 +228,7 @@ def has_curves(figure: Figure) -> bool:
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
-    """Return whether a channel of `series` (rows by key) is in no figure; the caller then plots the student's own recording."""
+    """Return whether a channel of `series` (rows by key) is seen in no figure: the plot may need data in the student's own form."""
     return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 
@@ -283,7 +283,7 @@ def factor_of(shown: Shown) -> str:
 
 
 def unit_in(rows: Array, true: Array, sensor: int) -> str:
-    """Return a unit of sensor 0 (acceleration) or 1 (rate) in which `rows` (n, 3) are as large as `true` (m, 3), to 10 %, or ""."""
+    """Return the unit of `rows` of sensor 0 (acceleration) or 1 (rate): that in which `true` (SI) has their RMS to 10 %, or ""."""
     size, whole = (float(np.sqrt(np.mean(each**2))) for each in (rows, true))
     return next((unit for unit, scale in _UNITS[sensor] if abs(size - scale * whole) <= scale * whole / 10), "")
 
@@ -292,7 +292,7 @@ def unit_in(rows: Array, true: Array, sensor: int) -> str:
 
 
 def names_of(panel: Panel, figure: Figure) -> list[str | None]:
-    """Return the name of each shown curve of a panel: its entry in a legend of panel or figure, or a text beside it; else None."""
+    """Return each shown curve's name: by `names_of_curves`, else a text in no shown curve's colour naming its axis, else None."""
     own = {s.curve.colour for s in panel.shown}
     neutral = [text for text in panel.axes.texts if text.colour not in own]
     names = names_of_curves([s.curve for s in panel.shown], panel, figure)

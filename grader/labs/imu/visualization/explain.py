@@ -29,7 +29,7 @@ _IN_PART = 0.8
 
 
 def to_the_end(measured: Callable[[Facts], Deviation[Numbers] | None]) -> Callable[[Facts], Deviation[Numbers] | None]:
-    """Wrap a measurement: if it finds a fault after the plot function raised, raise `Raised` with that exception instead."""
+    """Wrap a measurement: if it finds a fault and the plot function raised, raise `Raised`, so that the exception is reported."""
 
     @functools.wraps(measured)
     def judged(facts: Facts) -> Deviation[Numbers] | None:
@@ -88,7 +88,7 @@ def share_missing(facts: Facts) -> float:
 
 @to_the_end
 def missing_curves(facts: Facts) -> Deviation[Came] | None:
-    """Return the `Deviation` for channels without a curve: 1/6 of the points each, half or more if others are drawn; else None."""
+    """Return the `Deviation` for undrawn channels: 1/6 of points each, at least 1/2 if wrong or repeated data is drawn; or None."""
     if not (missing := _missing(facts)):
         return None
     affected = max(len(missing) / len(CHANNELS), _OTHER_NUMBERS if _shows_others(facts) else 0)

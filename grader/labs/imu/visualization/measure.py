@@ -205,10 +205,11 @@ def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, s
 
 
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
-    """Return the figures of which `best_of` chooses: each of `drawing`, all saved ones joined, and all ever saved ones joined.
+    """Return the plots from which `best_of` chooses: each figure of `drawing`, and its saved figures joined into one.
 
-    Joined figures are for code that draws each sensor in a figure of its own. Curves are matched with the plotted data: the
-    true ones, or what the student's `simulate_and_collect` gave to the plot (`drawing.given`).
+    Two or more are joined, for code that draws each sensor in its own figure: once without and once with those whose file was
+    overwritten or deleted later. Curves are matched with the plotted data: the true ones, or what the student's
+    `simulate_and_collect` gave to the plot (`drawing.given`).
     """
     saved = [figure for figure in drawing.figures if figure.is_saved]
     ever_saved = [figure for figure in drawing.figures if figure.is_saved or figure.event == "overwritten"]

@@ -59,7 +59,7 @@ def _claimed(axes: Axes) -> frozenset[int]:
 
 
 def missing_panel(plot: Plot) -> str:
-    """Return in words a sensor that a plot's only panel does not show; "" for none, several panels, or empty axes with its name."""
+    """Return in words the first sensor that a plot of at most one panel neither shows nor names on axes without data; else ""."""
     if len(plot.panels) > 1:
         return ""
     empty = [axes for axes in plot.figure.visible_axes if axes not in [panel.axes for panel in plot.panels]]
@@ -68,9 +68,9 @@ def missing_panel(plot: Plot) -> str:
 
 
 def is_named(plot: Plot, sensor: int) -> bool:
-    """Return whether any text on a sensor's panels tells which sensor they are for.
+    """Return whether a sensor's panels, or title or y label of the figure, have a text that names it, such as a curve's name.
 
-    Also True without a panel, or where only titles or only labels are missing: other checks deduct for those.
+    Also True without a panel, or if all panels lack a title or all lack a y label, but not both: other checks deduct for that.
     """
     panels = _panels_for(plot, sensor)
     if not panels or any(sensor in labels.claims(p.words) for p in panels):
@@ -176,7 +176,7 @@ def _is_nameless(plot: Plot, panel: Panel) -> bool:
 
 
 def share_nameless(plot: Plot) -> float:
-    """Return the share of points lost for missing curve names: 1 if all panels that need names lack one, 0.5 if some do, else 0."""
+    """Return the share lost: 1 if all panels of several curves or in place of a sensor's lack curve names, 0.5 if some, else 0."""
     crowded = _crowded(plot)
     nameless = [panel for panel in crowded if _is_nameless(plot, panel)]
     return 0.0 if not nameless else 0.5 if len(nameless) < len(crowded) else 1.0

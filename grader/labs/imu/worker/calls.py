@@ -1,6 +1,7 @@
-"""How the lab's functions are called: the lab sheet's arguments as slots, and the other names that students give the parameters.
+"""How the lab's functions are called: their arguments, and the other names that students give the parameters.
 
-Each tuple of slots belongs to one function. `plan_call` and `adapt` match a student's parameters with them.
+A slot is one argument, with the rules by which a student's parameter for it is found. Each tuple of slots belongs to one function;
+`plan_call` and `adapt` match the parameters of a student's function with it.
 """
 
 from __future__ import annotations

@@ -34,8 +34,9 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    arrays ``events`` (k, 3): simulated time (s), points drawn, number of changes of the curves so far; ``returned``:
-    whether the call ended; ``curves`` at a few moments: ``label``, ``x``, ``y`` (array names), ``moment`` (simulated s) of each.
+    array ``events`` (k, 3): simulated time (s), points drawn, number of changes of the curves so far; ``curves`` at a few
+    moments: ``label``, ``x``, ``y`` (array names), ``moment`` (simulated s) of each; ``simulated``: simulated time (s) in all;
+    ``returned``: False if the call, or an animation that it left to be shown, raised; ``error``: what was raised, if anything.
     """
     import mujoco
 

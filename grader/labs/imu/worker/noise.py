@@ -68,20 +68,20 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Build several `NoisyIMU`s from the same seed, and read each a few times in one state.
+    """Build several `NoisyIMU`s from the same seed, and read each a few times in its own state.
 
     The instances differ in state, biases or noise; as they share the seed, only such a difference can change their values.
 
     Parameters
     ----------
     fields : ``path`` (the student's file), ``model`` (XML text), ``accel_id``, ``gyro_id``, ``accel_noise_std``,
-        ``gyro_noise_std``, ``reads`` (of each instance), ``twins`` (for each instance, a dict with its own values of the two
-        standard deviations), ``states`` (for each instance, the row of its state in ``qpos`` and ``qvel``)
+        ``gyro_noise_std``, ``reads`` (of each instance), ``twins`` (for each instance, a dict of standard deviations
+        that replace the two above), ``states`` (for each instance, the row of its state in ``qpos`` and ``qvel``)
     arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``biases`` (twins, 2, 3), without which each instance draws its own
 
     Returns
     -------
-    arrays ``accel``, ``gyro`` (twins, reads, 3).
+    arrays ``accel``, ``gyro`` (twins, reads, 3), NaN for a read without two vectors, and from the first exception on
     """
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "departs": []}

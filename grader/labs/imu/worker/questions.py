@@ -34,7 +34,7 @@ def reporting_errors(answer: dict[str, Any]) -> Iterator[None]:
 
 
 def parts_of(value: Any) -> list[tuple[str, Any]]:
-    """Return the members of a dictionary, sequence or object with their names ("" in a sequence); raise TypeError for a number."""
+    """Return (name, part) pairs of a dict, list, tuple, array or object, to find vectors ("" for no name); TypeError for others."""
     if isinstance(value, dict):
         return [(str(name), part) for name, part in value.items()]
     if isinstance(value, tuple | list | np.ndarray):
@@ -274,13 +274,14 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Parameters
     ----------
     fields : ``path``; ``keys``: the submission's name of each series -> the name in `arrays`; ``recorder``: None to plot a dict of
-        these series, else ``path``, ``model``, ``accel_id`` and ``gyro_id`` of a call of `simulate_and_collect`, whose result is
-        plotted with these series in it, and ``shows``: names in `arrays` of the time, accel and gyro that this call measures
+        these series; else they are put into a result of the student's `simulate_and_collect`, to plot it in its own form:
+        ``path``, ``model``, ``accel_id``, ``gyro_id`` of that call, and ``shows``: names in `arrays` of the time, accel and gyro
+        that its steps measure in place of a simulation
     arrays : the plotted data; a number is an array without dimensions
 
     Returns
     -------
-    ``figures`` : what it drew; ``given`` : a description of the recorded value that the plot got; None without a recorder
+    ``figures`` : what it drew; ``given`` : a description of that result; None without a recorder, or if recording raised
     """
     function = submission.find("plot_imu_data", fields["path"])
     recorder.RECORDER.take(submission.STATE.folder)
