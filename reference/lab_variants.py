@@ -92,7 +92,7 @@ def _far_from_standing(acceleration: FloatArray) -> bool:
 
 
 def _channels_differ(model: mujoco.MjModel) -> bool:
-    """Return whether no channel of the lab sheet's three seconds resembles a smoothed copy of another channel.
+    """Return whether, in the lab sheet's three seconds, no channel looks like a smoothed copy of another of the same sensor.
 
     If one did, a plot of raw data alone would seem to compare raw and filtered data.
     """

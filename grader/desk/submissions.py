@@ -343,7 +343,10 @@ def _keys(parts: Sequence[PartView], requests: Sequence[RegradeRequest]) -> dict
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Ids before and after the shown submission (`place` of `of` by id), and next to review (the search goes round); "" if none."""
+    """Ids around the shown submission, by id: the one before, the one after, the next that waits for a review; "" if there is none.
+
+    `place` counts from 1 among `of`. After the last submission, the search for the next review goes on with the first.
+    """
 
     place: int
     of: int

@@ -58,7 +58,7 @@ class Answer:
         Raises
         ------
         Wrong
-            If there is no such array of this shape, if it was named before, or if it is too large.
+            If there is no such array of this shape, the reply names it in two places, or it has over `MAX_NUMBERS` values.
         """
         if not isinstance(name, str) or name not in self.frame.arrays:
             raise Wrong("an array that is not there")

@@ -50,7 +50,7 @@ def lay_out(budget: FileBudget, required: Collection[str]) -> Layout | None:
 
 
 def outwards(folder: str, levels: int) -> str:
-    """Return the start of a path (with a slash at its end): the folder that lies `levels` above `folder`; "" for the top."""
+    """Return the folder that lies `levels` above `folder`, with a slash at its end, to put before a path; "" for the top."""
     parts = folder.split("/") if folder else []
     return "".join(f"{part}/" for part in parts[: len(parts) - levels])
 

@@ -39,7 +39,10 @@ class OutOfTimeError(BaseException):
 
 
 class MissingName:
-    """Placeholder for a name that could not be imported or defined, so that other code runs. Using it raises the original error."""
+    """Placeholder for a name that could not be imported or defined, so that code which does not use it runs.
+
+    Calling, indexing or iterating it, or reading an attribute, raises the original error; arithmetic a TypeError.
+    """
 
     def __init__(self, error: Callable[[], BaseException]) -> None:
         self._error = error

@@ -91,7 +91,7 @@ def members_of(store: Store, name: str) -> tuple[str, tuple[str, ...]]:
 
 
 def decisions(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[Decision]:
-    """Return all decisions on several submissions, latest first, so that a person can undo one; empty if there are none."""
+    """Return all overrides and comments that a person gave a whole group at once, latest first, with how many still count."""
     made: dict[int, list[Adjustment]] = {}
     for _, each in store.history():
         if each.decision:

@@ -313,7 +313,7 @@ def _with_simulation(student: Student, truth: Traces, series: Collection) -> tup
 
 
 def starting_velocities(student: Student, truth: Traces, push: Run) -> tuple[Array, ...]:
-    """Return starting velocities (nv,) of `push` and a new run, which differ if the push is random; () unless both are known."""
+    """Record again; return the starting velocities (nv,) of `push` and this run, unlike if random; () if one reported no start."""
     again = student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))
     starts = [each.first_step for each in (push.series, again)]
     return tuple(start["qvel"] for start in starts) if all(starts) else ()

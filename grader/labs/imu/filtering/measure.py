@@ -194,7 +194,10 @@ class Facts:
 
 
 def measure(student: Student, truth: Traces) -> Facts:
-    """Run a filter per case of `asked(truth["filter"])`; if the second raises, not the first, each from it on in a new process."""
+    """Run the student's filter on the cases that `asked` makes, each with a new filter, and return what each run showed.
+
+    If the second raises and the first did not, its first use may spoil the code: all but the first run again, in new processes.
+    """
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
     if runs[0].error or not runs[1].error:

@@ -231,7 +231,7 @@ def moves(facts: Facts) -> list[int]:
 
 
 def hidden(facts: Facts) -> list[int]:
-    """Return the sensors (0, 1) whose default bias cannot be measured: reads differ even with the same random draws."""
+    """Return the sensors (0 accelerometer, 1 gyroscope) whose default bias no measurement shows: reads with one seed differ."""
     return sensors_that(facts, lambda s: bool(np.isnan(s.default).any()))
 
 
