@@ -96,7 +96,7 @@ def record(out: Path, seed: str = PUBLIC_SEED, name: str = "public", own: Robot 
 
 
 def flat_arrays(bundle: Bundle) -> dict[str, NDArray[Any]]:
-    """Return all scenarios' arrays by `<scenario>/<array>`, as a trace file holds them: float64, or int64 for counts and indices."""
+    """Return scenarios' arrays by `<scenario>/<array>`, as a trace file holds them: float64, or int64 for counts and indices."""
     flat = {f"{one.name}/{key}": np.asarray(value) for one in bundle.recordings for key, value in one.arrays.items()}
     return {key: array.astype("<i8" if array.dtype.kind == "i" else "<f8") for key, array in flat.items()}
 

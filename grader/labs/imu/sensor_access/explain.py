@@ -139,7 +139,7 @@ class Explained:
         return _rightness(self.facts.visits[1:], sensor) >= _MOST
 
     def lacks_numbers(self, sensor: int) -> bool:
-        """Return whether the answer for accelerometer (0) or gyroscope (1) lacks finite numbers, and no wrong address explains it."""
+        """Return whether accelerometer (0) or gyroscope (1) came without finite numbers, and no wrong address explains it."""
         known, got = self.sensors[sensor], self.facts.torso.got[sensor]
         return not np.isfinite(got).all() and not (known and known.place)
 
