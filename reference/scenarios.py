@@ -267,13 +267,13 @@ def push_dirty(scene: Scene) -> Recording:
 
 
 def _dirty_arrays(scene: Scene, n_steps: int) -> dict[str, Any]:
-    left_behind = _left_behind(scene)
+    left_behind = _data_in_mid_fall(scene)
     qpos, qvel, time = np.array(left_behind.qpos), np.array(left_behind.qvel), float(left_behind.time)
     arrays: dict[str, Any] = {"dirty_qpos": qpos, "dirty_qvel": qvel, "dirty_time": np.array(time)}
     return arrays | _pushed(scene, n_steps + EXTRA_ROWS)
 
 
-def _left_behind(scene: Scene) -> mujoco.MjData:
+def _data_in_mid_fall(scene: Scene) -> mujoco.MjData:
     """Return data as an earlier run leaves them: the robot lifted, and dropped with a random velocity, in mid-motion.
 
     A robot without a free joint gets random joint velocities only.

@@ -24,7 +24,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
 from grader.sandbox.level_choice import LevelResult
-from grader.sandbox.one_copy import Search
+from grader.sandbox.visible_copies import Search
 from tests.class_commands import NO_SEED, Run, hand_in, in_process
 from tests.corpus.writing import write
 from tests.fake_results import FakeMarker, check, fake_marker, lost, result
@@ -348,7 +348,7 @@ def test_doctor_tells_each_level_with_its_reason_the_one_in_use_and_a_second_cop
     tried = [LevelResult(full, False, "no user namespaces"), *works]
     monkeypatch.setattr("grader.commands.machine.probe", lambda: tried)
     monkeypatch.setattr("grader.commands.machine.try_recording", lambda _: None)  # it takes a second
-    monkeypatch.setattr("grader.sandbox.one_copy.search", lambda *_: Search(21_894, ()))
+    monkeypatch.setattr("grader.sandbox.visible_copies.search", lambda *_: Search(21_894, ()))
     code, out, err = run("doctor")
     told = [" ".join(line.split()) for line in out.splitlines()]
     says = ("looking at this machine …", "testing the isolation levels …", "recording traces …")
@@ -357,7 +357,7 @@ def test_doctor_tells_each_level_with_its_reason_the_one_in_use_and_a_second_cop
     assert " ".join(told[4:6]) == "✓ hidden the 21,894 files that code in the sandbox can open contain no grader files"
     assert f"imugrade {grader.__version__}" in told
     found = ("/lib/a/filters.py", "/lib/a/imu_reader.py")
-    monkeypatch.setattr("grader.sandbox.one_copy.search", lambda *_: Search(9, found))
+    monkeypatch.setattr("grader.sandbox.visible_copies.search", lambda *_: Search(9, found))
     told = " ".join(run("doctor")[1].split())
     assert "✗ hidden code in the sandbox can open 2 grader files; the first is /lib/a/filters.py" in told
 

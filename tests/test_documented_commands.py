@@ -111,7 +111,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         here.setattr(lab_sandbox, "Sandbox", lambda *_, **__: sandboxes.Lasting(one))
         here.setattr(classroom, "mark_all", _mark_all)
         # what the doctor tries for ten seconds is tried in its own tests
-        here.setattr(machine.one_copy, "search", lambda *_: machine.one_copy.Search(1, ()))
+        here.setattr(machine.visible_copies, "search", lambda *_: machine.visible_copies.Search(1, ()))
         here.setattr(machine, "try_recording", lambda lab: bundles.shipped())
         here.setattr(machine, "probe", functools.cache(machine.probe))
         # each picture takes a quarter of a second: that of one motion is drawn, and for the kits once

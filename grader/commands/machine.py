@@ -18,7 +18,7 @@ from grader.engine import rubric as rubrics
 from grader.engine.lab_registry import chosen_lab
 from grader.engine.recording import try_recording
 from grader.platforms.classes import read_class
-from grader.sandbox import one_copy
+from grader.sandbox import visible_copies
 from grader.sandbox.isolation_levels import IsolationLevel
 from grader.sandbox.level_choice import probe
 
@@ -85,13 +85,13 @@ def _isolation() -> list[DoctorFinding]:
     ]
     if not best.isolates:
         return [*rows, DoctorFinding("in use", False, _NOT_ISOLATED)]
-    return [*rows, DoctorFinding("in use", True, best.name), _one_copy(best)]
+    return [*rows, DoctorFinding("in use", True, best.name), _visible_copies(best)]
 
 
-def _one_copy(isolation_level: IsolationLevel) -> DoctorFinding:
+def _visible_copies(isolation_level: IsolationLevel) -> DoctorFinding:
     """Return whether code in the sandbox can open files of the grader, with the solution, as of a second install or a checkout."""
     try:
-        search = one_copy.search(isolation_level, chosen_lab().packages)
+        search = visible_copies.search(isolation_level, chosen_lab().packages)
     except GraderError as error:
         return DoctorFinding("hidden", False, f"could not be checked from inside the sandbox: {error}")
     if search.found:

@@ -31,7 +31,7 @@ def versions(packages: Iterable[str]) -> dict[str, str]:
     return {"imugrade": __version__, "python": python, **{name: version(name) for name in packages}}
 
 
-def plain(result: Result) -> dict[str, Any]:
+def as_plain_data(result: Result) -> dict[str, Any]:
     """Return a result as plain data (text, bytes and numbers), which a worker sends back over the network."""
     record = json.dumps(to_record(result), ensure_ascii=True, allow_nan=False)
     return {"record": record, "charts": result.evidence.charts, "fingerprint": list(result.evidence.fingerprint)}
@@ -110,7 +110,7 @@ class GradingPlugin(WorkerPlugin):
             raise type(problem)(f"worker {self._address}: {problem}") from problem
         if isinstance(outcome, Ended | Unmarked):
             return {"trouble": outcome.reason, "stopped": outcome.reason if isinstance(outcome, Ended) else ""}
-        return plain(outcome)
+        return as_plain_data(outcome)
 
     def _agree(self) -> None:
         here_are = versions(name for name in self._made_by if name not in _OURS)

@@ -40,7 +40,7 @@ def compare(name, mine, expected):
 
 
 @dataclass(frozen=True)
-class Asked:
+class RecordedCall:
     """A call of the student's code (a question) that a failed check asked for, as `imugrade repro` writes it down.
 
     `op` is the kind of call, such as ``filter``; `fields` and `arrays` are its inputs. The arrays go into ``repro.npz`` as
@@ -113,11 +113,11 @@ class Recorder(Student):
             self._questions[self._asking[-1]] = (op, fields, arrays or {})
         return super().ask(op, fields, arrays)
 
-    def questions(self, check_id: str) -> list[Asked]:
+    def questions(self, check_id: str) -> list[RecordedCall]:
         """Return the calls that a check asked for, in order, including those whose answers an earlier check had already got."""
         keys = [key for key in dict.fromkeys(self._below(check_id)) if key in self._questions]
         asked = [(number, *self._questions[key]) for number, key in enumerate(keys, 1)]
-        return [Asked(*each, expected=expected(*each[1:], self.truth)) for each in asked]
+        return [RecordedCall(*each, expected=expected(*each[1:], self.truth)) for each in asked]
 
     def _below(self, key: Any) -> Iterator[Any]:
         """Yield the keys of the calls that were made for `key`, a check or another call, at any depth."""
@@ -164,7 +164,7 @@ def _filtered(case: Mapping[str, Any], arrays: Mapping[str, Array]) -> Array:
     return recursion(alpha, x, alpha * x[0] + (1 - alpha) * before)
 
 
-def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -> str:
+def program(check_id: str, said: str, questions: Sequence[RecordedCall], folder: str) -> str:
     """Return the text of a program that repeats the calls of a failed check on the student's machine.
 
     Parameters
@@ -198,17 +198,17 @@ def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -
     return "\n".join(lines) + "\n"
 
 
-def _simulation(question: Asked) -> Lines:
+def _simulation(question: RecordedCall) -> Lines:
     yield f"model = mujoco.MjModel.from_xml_string(str({question.given('model')}))"
     yield "data = mujoco.MjData(model)"
 
 
-def _state(question: Asked, row: int = 0) -> Lines:
+def _state(question: RecordedCall, row: int = 0) -> Lines:
     yield f"data.qpos[:], data.qvel[:] = {question.given('qpos')}[{row}], {question.given('qvel')}[{row}]"
     yield "mujoco.mj_forward(model, data)"
 
 
-def _read(question: Asked) -> Lines:
+def _read(question: RecordedCall) -> Lines:
     yield from _simulation(question)
     yield f"for accel_id, gyro_id in {question.given('pairs')}.tolist():"
     yield f"    for qpos, qvel in zip({question.given('qpos')}, {question.given('qvel')}):"
@@ -220,7 +220,7 @@ def _read(question: Asked) -> Lines:
     yield '        print("   the sensors say", data.sensor(accel_id).data, data.sensor(gyro_id).data)'
 
 
-def _simulate(question: Asked) -> Lines:
+def _simulate(question: RecordedCall) -> Lines:
     fields, arrays = question.fields, question.arrays
     yield from _simulation(question)
     if fields["timestep"]:
@@ -242,18 +242,18 @@ def _simulate(question: Asked) -> Lines:
         yield f'    compare("{name}", recording["{name}"], {question.given(f"expected_{name}")})'
 
 
-def _noisy(question: Asked, std: Mapping[str, Any], biases: str) -> str:
+def _noisy(question: RecordedCall, std: Mapping[str, Any], biases: str) -> str:
     ids = f"{question.fields['accel_id']}, {question.fields['gyro_id']}"
     stds = f"accel_noise_std={std['accel_noise_std']}, gyro_noise_std={std['gyro_noise_std']}"
     return f"{question.module}.NoisyIMU(model, data, {ids}, {stds}{biases})"
 
 
-def _truth(question: Asked) -> str:
+def _truth(question: RecordedCall) -> str:
     readings = ", ".join(f"data.sensor({question.fields[name]}).data" for name in ("accel_id", "gyro_id"))
     return f'print("the sensors say", {readings})'
 
 
-def _noise(question: Asked) -> Lines:
+def _noise(question: RecordedCall) -> Lines:
     given = {"accel_bias", "gyro_bias"} & question.arrays.keys()
     biases = "".join(f", {name}={question.given(name)}" for name in sorted(given))
     yield from (*_simulation(question), *_state(question))
@@ -264,7 +264,7 @@ def _noise(question: Asked) -> Lines:
     yield 'print("yours, standard deviation:", *reads.std(axis=0, ddof=1))'
 
 
-def _noise_twins(question: Asked) -> Lines:
+def _noise_twins(question: RecordedCall) -> Lines:
     yield from _simulation(question)
     for number, (stds, row) in enumerate(zip(question.fields["twins"], question.fields["states"], strict=True)):
         yield from _state(question, row)
@@ -276,7 +276,7 @@ def _noise_twins(question: Asked) -> Lines:
         yield f'print("instance {number + 1}:", *np.array([imu.read() for _ in range({question.fields["reads"]})])[0])'
 
 
-def _default_bias(question: Asked) -> Lines:
+def _default_bias(question: RecordedCall) -> Lines:
     count = question.fields["instances"]
     yield from (*_simulation(question), *_state(question))
     yield f"reads = np.array([{_noisy(question, question.fields, '')}.read() for _ in range({count})])"
@@ -293,7 +293,7 @@ _HANDLING = {
 }
 
 
-def _filter(question: Asked) -> Lines:
+def _filter(question: RecordedCall) -> Lines:
     for i, case in enumerate(question.fields["cases"]):
         options = {} if case["alpha"] is None else {"alpha": repr(case["alpha"])}
         options |= {} if case["initial"] is None else {"initial_value": question.given(case["initial"])}
@@ -310,16 +310,16 @@ def _filter(question: Asked) -> Lines:
         yield f'compare("output", mine, {question.given(f"expected_output_{i}")})'
 
 
-def _low_pass(question: Asked, options: Mapping[str, str]) -> str:
+def _low_pass(question: RecordedCall, options: Mapping[str, str]) -> str:
     return f"{question.module}.LowPassFilter({', '.join(f'{name}={value}' for name, value in options.items())})"
 
 
-def _plot(question: Asked) -> Lines:
+def _plot(question: RecordedCall) -> Lines:
     series = ", ".join(f"{name!r}: {question.given(key)}" for name, key in question.fields["keys"].items())
     yield f"{question.module}.plot_imu_data({{{series}}})  # draws and saves the picture that was judged"
 
 
-def _tilt(question: Asked) -> Lines:
+def _tilt(question: RecordedCall) -> Lines:
     for case in question.fields["cases"]:
         yield f"tilt = {question.module}.ComplementaryFilter({case['dt']})"
         series = f"zip({question.given(case['accel'])}, {question.given(case['gyro'])})"
@@ -327,19 +327,19 @@ def _tilt(question: Asked) -> Lines:
         yield 'print("roll and pitch, first and last:", mine[0], mine[-1])'
 
 
-def _allan(question: Asked) -> Lines:
+def _allan(question: RecordedCall) -> Lines:
     rate = question.fields["sample_rate_hz"]
     yield f"taus, adev = {question.module}.allan_deviation({question.given('samples')}, {rate})"
     yield "print(np.column_stack([taus, adev]))"
 
 
-def _imus(question: Asked) -> Lines:
+def _imus(question: RecordedCall) -> Lines:
     yield from (*_simulation(question), *_state(question))
     yield f"for place, reading in {question.module}.read_all_imus(model, data).items():"
     yield "    print(place, *reading)"
 
 
-WRITTEN: Mapping[str, Callable[[Asked], Lines]] = {
+WRITTEN: Mapping[str, Callable[[RecordedCall], Lines]] = {
     "read": _read,
     "simulate": _simulate,
     "noise": _noise,

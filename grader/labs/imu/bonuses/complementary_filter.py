@@ -158,7 +158,7 @@ class Tilt:
 
 def measure(student: Student, truth: Traces) -> Tilt:
     """Run the filter at rest, in `truth`'s three motions (no answer to one fails only its check), two turns and a tilt."""
-    level, *still = tilt(student, _at_rest(truth["tilt_start"]))
+    level, *still = tilt(student, _inputs_at_rest(truth["tilt_start"]))
     stops: dict[str, Exception | None] = {
         LEVEL: level.raised,
         SETTLES: next((run.stop for run in still if run.stop), None),
@@ -194,7 +194,7 @@ def at_rest(angles: Array, n: int) -> Array:
     return np.tile(G * np.array(up), (n, 1))
 
 
-def _at_rest(start: Scenario) -> list[TiltCase]:
+def _inputs_at_rest(start: Scenario) -> list[TiltCase]:
     """Return three inputs of a sensor at rest: level, then at two tilts.
 
     The first five accelerometer readings at a tilt are wrong, so that a filter that only keeps its first estimate fails.

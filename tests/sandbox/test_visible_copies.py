@@ -13,7 +13,7 @@ import pytest
 
 import grader
 import reference
-from grader.sandbox import one_copy, surroundings
+from grader.sandbox import surroundings, visible_copies
 from grader.sandbox.plan import Contents
 from grader.sandbox.sandbox import Sandbox
 
@@ -127,7 +127,7 @@ def test_the_search_of_the_doctor_finds_a_copy_where_one_is_shown(
     shown = tuple(str(folder / name) for name in ("grader", "stray", "imugrade-0.1.0-py3-none-any.whl"))
     visible = surroundings.visible
     monkeypatch.setattr(surroundings, "visible", lambda extra=(), libraries=(): (*visible(extra, libraries), *shown))
-    found = one_copy.search(best.isolation_level).found
+    found = visible_copies.search(best.isolation_level).found
     assert {f"{shown[0]}/__init__.py", f"{shown[1]}/filters.py", shown[2]} <= set(found)
     assert not [path for path in found if not path.startswith(str(folder))]
 
