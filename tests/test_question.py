@@ -12,7 +12,7 @@ import pytest
 from grader.engine.question import Question
 from grader.labs.imu.bonuses.allan_variance import allan
 from grader.labs.imu.bonuses.complementary_filter import TiltCase, tilt
-from grader.labs.imu.bonuses.live_plot import run_live_plot
+from grader.labs.imu.bonuses.live_plot import live
 from grader.labs.imu.bonuses.multiple_imus import imus
 from grader.labs.imu.replies import RULES
 from grader.labs.imu.robot import robot_of
@@ -71,7 +71,7 @@ _ASKED: Mapping[Any, dict[str, Any]] = {
     tilt: {"cases": [TiltCase(0.1, _VECTORS, _VECTORS)]},
     allan: {"samples": _VECTORS, "sample_rate_hz": 100.0},
     imus: {"model": "<m/>", **_STATE},
-    run_live_plot: {"model": "<m/>", "ids": (1, 2), "duration_s": 1.0, "timestep": 0.002, "push": 0.5},
+    live: {"model": "<m/>", "ids": (1, 2), "duration_s": 1.0, "timestep": 0.002, "push": 0.5},
 }
 _CHANGED: Mapping[Any, dict[str, Any]] = {
     Student.noise_twins: {"stds": [(0.1, 0.3)], "biases": np.ones((1, 2, 3)), "states": [1]},

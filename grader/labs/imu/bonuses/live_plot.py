@@ -71,7 +71,7 @@ class LiveRun:
         return float(np.ptp(self.events[:, 0])) if len(self.events) else 0.0
 
 
-def run_live_plot(
+def live(
     student: Student, *, model: str, ids: tuple[int, int], duration_s: float, timestep: float, push: float
 ) -> LiveRun:
     """Ask the student's `live_plot` for `duration_s` of simulated time; return what it drew and, in `error`, what it raised.
@@ -195,7 +195,7 @@ def measure(student: Student, truth: Traces) -> Live:
     watched = truth["watched"]
     duration, timestep, push = (float(watched.scalars[name]) for name in ("duration_s", "timestep", "push_mps"))
     ids = torso_ids(truth)
-    run = run_live_plot(student, model=truth.models["lab"], ids=ids, duration_s=duration, timestep=timestep, push=push)
+    run = live(student, model=truth.models["lab"], ids=ids, duration_s=duration, timestep=timestep, push=push)
     stopped: dict[str, Exception] = {}
     if run.error:
         raised = Raised(run.error, "plotting live")

@@ -123,4 +123,4 @@ def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     return answer, packer.arrays
 
 
-HANDLERS: dict[str, Callable[..., Reply]] = {"tilt": tilt, "allan": allan, "imus": imus, "live": live.run_live_plot}
+HANDLERS: dict[str, Callable[..., Reply]] = {"tilt": tilt, "allan": allan, "imus": imus, "live": live.live}

@@ -25,7 +25,7 @@ _FEWEST = 3  # smallest number of points of a curve; markers and lines across th
 Curve = tuple[str, np.ndarray, np.ndarray]
 
 
-def run_live_plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """Call `live_plot` on the lab model, pushed as in the lab sheet's Step 3; record what a window would show, but open none.
 
     Parameters
