@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import datetime, timezone
+from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 from xml.etree import ElementTree
@@ -28,10 +30,11 @@ from grader.platforms.gradescope import gradescope
 from grader.platforms.job import recognise
 from grader.platforms.junit import junit
 from grader.platforms.places import FileLine, Places, find_places
+from grader.platforms.platform import ResultContext
 from grader.platforms.prairielearn import prairielearn
 from grader.report import words
 from tests.corpus.writing import write
-from tests.fake_results import HOSTILE, check, lost, result
+from tests.fake_results import HOSTILE, check, lost, result, submission
 from tests.hostile.outputs import ENVIRONMENT as ID
 from tests.pages import Page
 from tests.test_results import SCHEMA
@@ -112,7 +115,7 @@ def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
         "Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address",
         "Rerun     imugrade check --only sensor_access",
     ]
-    assert commands[-1][2] == "9.33 / 30"
+    assert commands[-1][2].splitlines() == ["9.33 / 30", "Help      open guide.html, in your starter files"]
 
 
 def test_an_annotation_points_to_the_line_that_raised_in_a_file_of_the_submission() -> None:
@@ -389,6 +392,16 @@ def keeps_rules_of_json(graded: Result) -> None:
 def test_every_answer_keeps_the_rules_of_its_platform_for_each_of_a_class(platform: str, graded: Result) -> None:
     """A new platform that answers wants a function here, `keeps_rules_of_<its name>`."""
     globals()[f"keeps_rules_of_{platform}"](graded)
+
+
+@pytest.mark.parametrize("graded", CLASS.values(), ids=CLASS)
+@pytest.mark.parametrize("platform", sorted({*registry.names("respond")} - {"json"}))
+def test_every_answer_names_the_students_guide_once_where_something_was_lost(platform: str, graded: Result) -> None:
+    """Not `json`, the result as it is: programs read it."""
+    record, handed = registry.platform(platform), ResultContext(LAB, submission("one"), Path(), ID)
+    for respond in filter(None, (record.respond, record.aside.text if record.aside else None)):
+        text = html.unescape(respond(graded, handed))
+        assert text.count("open guide.html, in your starter files") == (graded.score < graded.max_score)
 
 
 def test_hostile_text_is_told_as_text() -> None:

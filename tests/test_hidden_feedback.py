@@ -134,10 +134,11 @@ def outputs(result: Result, files: dict[str, str]) -> dict[str, str]:
     told["duration_s"] = 0
     handed = ResultContext(LAB, submission_of(files), Path("x"), _RUNNER, hidden=True)
     found = {"result.json": json.dumps(told), "report.html": _DIGEST.sub("", report_page(FinalGrade("x", result)))}
-    for name in registry.names("respond"):
-        respond = registry.platform(name).respond
-        assert respond is not None
-        found[name] = _VARIES.sub("", respond(result, handed))
+    for platform in registry.platforms("respond"):
+        assert platform.respond is not None
+        found[platform.name] = _VARIES.sub("", platform.respond(result, handed))
+        if platform.aside is not None:
+            found[f"{platform.name} aside"] = platform.aside.text(result, handed)
     return found
 
 

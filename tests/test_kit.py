@@ -30,9 +30,10 @@ from grader.engine import rubric
 from grader.engine.faults import catalogue
 from grader.engine.traces import Traces
 from grader.intake import read_submission
-from grader.kit import give, guide, wheel
+from grader.kit import give, wheel
 from grader.labs.imu.lab import LAB
 from grader.platforms import github
+from grader.report import words
 from reference.worlds import LAB_MODEL
 from tests.conftest import SECRET
 from tests.corpus.pieces import VERBATIM
@@ -116,12 +117,12 @@ def test_students_get_starter_files_the_model_at_the_sheets_path_motions_a_readm
     model = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
     editors = {".devcontainer/devcontainer.json", ".vscode/settings.json", ".vscode/tasks.json"}
     motions = {f"traces/{name}.{kind}" for name in ("standing", "push", "tumbling") for kind in ("csv", "png")}
-    assert found == {*VERBATIM, "README.md", "constraints.txt", guide.NAME, model, wheel.name(), *editors, *motions}
+    assert found == {*VERBATIM, "README.md", "constraints.txt", words.GUIDE, model, wheel.name(), *editors, *motions}
     assert (students / model).read_bytes() == LAB_MODEL.read_bytes()
 
 
 def test_the_guide_holds_every_student_page_and_works_offline(students: Path) -> None:
-    text = (students / guide.NAME).read_text(encoding="utf-8")
+    text = (students / words.GUIDE).read_text(encoding="utf-8")
     titles = [
         page.read_text(encoding="utf-8").partition("\n")[0][2:] for page in (ROOT / "docs" / "students").glob("*.md")
     ]

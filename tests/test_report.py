@@ -139,6 +139,13 @@ def test_at_84_of_100_the_screen_has_forty_lines_at_most() -> None:
     assert "All lines" not in terminal(made, width=100, verbose=True)
 
 
+@pytest.mark.parametrize("status", ["empty", "unreadable"])
+def test_the_guide_is_named_where_nothing_could_be_graded_and_not_where_nothing_is_lost(status: Any) -> None:
+    none = replace(result(name="lab", status=status), criteria=(), extensions=())
+    assert terminal(none) == f"lab: {words.STATUS[status]}\n\nHelp  open guide.html, in your starter files\n"
+    assert "guide.html" not in terminal(result())
+
+
 OUTCOMES = {"error": "raised", "timeout": "timed out", "not_judged": "not judged"}
 OUTCOMES |= {each: each for each in ("passed", "partial", "failed", "crashed", "skipped")}
 

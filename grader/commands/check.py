@@ -48,6 +48,8 @@ def check(
 ) -> int:
     """Check one submission against the public scenarios (simulated motions, none hidden), and show its points and what to fix.
 
+    The guide, guide.html in your starter files, explains what the report says.
+
     \b
     Examples:
       imugrade check

@@ -18,7 +18,7 @@ from grader.engine.rubric import shipped as shipped_rubric
 from grader.engine.traces import Traces
 from grader.kit import guide, wheel
 from grader.platforms.github import CHECKOUT, SETUP_PYTHON
-from grader.report import truth
+from grader.report import truth, words
 
 _FIELDS = {"wheel": wheel.name(), "version": __version__, "checkout": CHECKOUT, "setup_python": SETUP_PYTHON}
 _EDITORS = {
@@ -87,7 +87,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     files = {name: _named_after(handout, text).encode() for name, text in starters.items()}
     files |= {path: _text(f"students/{source}").encode() for path, source in _EDITORS.items()}
     files[class_versions.FILE] = _constraints(lab)
-    files[guide.NAME] = guide.build(lab, rubric).encode()
+    files[words.GUIDE] = guide.build(lab, rubric).encode()
     files |= {**handout.files, wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), brought)}
     _write(out, files)
     return Kit(out, "students", "public scenarios")

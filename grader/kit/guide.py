@@ -22,7 +22,6 @@ from grader.engine.lab import Lab
 from grader.engine.rubric import load
 from grader.report import explanations
 
-NAME = "guide.html"
 _FAULTS, _CHECKS = "faults", "checks"
 
 

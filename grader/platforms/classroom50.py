@@ -84,6 +84,8 @@ def classroom50(result: Result, identity: Mapping[str, str], committed: str) -> 
         }
         for (part, check), score, full in zip(checks, scores, most, strict=True)
     ]
+    for test in [test for test in tests if not test["passed"]][:1]:  # the file has no text on the whole result
+        test["output"] = rows.with_help(test["output"], result)
     tests += _extra_credit(result)
     record = {
         "schema": SCHEMA,

@@ -82,7 +82,7 @@ def _total_command(result: Result) -> str:
     """Return the workflow command that shows the total; without gradable files an error, as a passing job would hide that."""
     kind = "error" if result.status in ("empty", "unreadable") else "notice"
     said = ": ".join(filter(None, [words.total_points(result), words.STATUS[result.status]]))
-    return f"::{kind} title={_property(result.lab.label)}::{_data(said)}"
+    return f"::{kind} title={_property(result.lab.label)}::{_data(rows.with_help(said, result))}"
 
 
 def _data(text: str) -> str:
@@ -101,6 +101,7 @@ def summary(result: Result, lab: Lab) -> str:
     noted = [f"- <code>{escaped(note)}</code>" for note in rows.notes(result)]
     blocks += ["\n".join(["### Notes", "", *noted])] if noted else []
     blocks.append("These are the public checks. On your own machine: `imugrade check`")
+    blocks += [f"{line.label}: {line.text}" for line in words.help_lines(result)]
     return "\n\n".join(blocks) + "\n"
 
 

@@ -100,6 +100,7 @@ def _output(result: Result, hidden: bool) -> str:
     said += ["Graded on hidden scenarios. `imugrade check` shows the numbers on the public ones."] if hidden else []
     said += [f"Note: {note}" for note in rows.notes(result)]
     said += [f"Fault: {fault}" for fault in words.faults(result)]
+    said += [f"{line.label}: {line.text}" for line in words.help_lines(result)]
     return "".join(f"<p>{html.escape(line)}</p>" for line in said) or "<p>Graded.</p>"
 
 

@@ -25,16 +25,16 @@ def prairielearn(result: Result) -> str:
 
 def _record(result: Result) -> dict[str, Any]:
     if result.status == "incomplete":
-        return {"gradable": False, "score": 0.0, "message": words.STATUS["incomplete"]}
+        return {"gradable": False, "score": 0.0, "message": rows.with_help(words.STATUS["incomplete"], result)}
     if result.status in ("empty", "unreadable"):
         problem = [words.STATUS[result.status], *rows.notes(result)]
-        return {"gradable": False, "score": 0.0, "format_errors": problem}
+        return {"gradable": False, "score": 0.0, "format_errors": problem, "message": rows.with_help("", result)}
     # PrairieLearn refuses a score above 1, so extra credit can only make up for lost points.
     share = min(result.total / result.max_score, 1.0) if result.max_score else 0.0
     return {
         "gradable": True,
         "score": round(share, 6),
-        "message": words.total_points(result),
+        "message": rows.with_help(words.total_points(result), result),
         "output": "\n".join(f"Note: {note}" for note in rows.notes(result)),
         "tests": [_test(check, part, result.lab) for part in rows.parts(result) for check in part.checks],
     }

@@ -68,6 +68,11 @@ def _plain_line(line: words.LabelledLine) -> str:
     return f"{line.label:<10}{text}" if line.label else line.text
 
 
+def with_help(text: str, result: Result) -> str:
+    """Return a text with a last line that names the students' guide, if something was lost."""
+    return "\n".join(filter(None, [text, *map(_plain_line, words.help_lines(result))]))
+
+
 def notes(result: Result) -> list[str]:
     """Return a line on each repair by an instructor, then the grader's notes on files; after `NOTES_LIMIT`, one counts the rest."""
     lines = [*words.repairs(result), *words.notes(result)]

@@ -128,6 +128,7 @@ def report_page(
         request_checks=[(c.id, printable(c.title, 120)) for part in result.criteria for c in part.checks],
         extra_credit=words.extra_credit(result),
         notes=[*words.notes(result), *_versions_of_errors(result)],
+        guide=words.GUIDE,
         provenance=_provenance(result),
     )
 

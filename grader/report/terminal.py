@@ -85,7 +85,7 @@ def screen(
         [
             *_again(found, command, setting),
             *(_more(command, setting) if len(whole) < len(others) else []),
-            *(_help(setting) if found else []),
+            *_help(result, setting),
         ],
     ]
     return [line for block in blocks if block for line in (Text(), *block)][1:]
@@ -251,9 +251,9 @@ def _again(found: Sequence[Cause], command: str, setting: Setting) -> list[Text]
     return setting.hang(Text("Rerun  ", LABEL), Text(f"{command} --only {part}")) if part else []
 
 
-def _help(setting: Setting) -> list[Text]:
-    """Return the line that names the students' guide, which the kit brings."""
-    return setting.hang(Text("Help  ", LABEL), Text("open guide.html, in your starter files"))
+def _help(result: Result, setting: Setting) -> list[Text]:
+    found = words.help_lines(result)
+    return [row for line in found for row in setting.hang(Text(f"{line.label}  ", LABEL), Text(line.text))]
 
 
 def _more(command: str, setting: Setting) -> list[Text]:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:  # `imugrade explain` needs a word of these, and no result
 
 TEXT_LIMIT = 2000
 NAME_LIMIT = 120
+GUIDE = "guide.html"
+"""Name of the students' guide, which the kit writes into the starter files."""
 FOR_THE_INSTRUCTOR = frozenset({"tampering"})
 """Faults that deduct nothing and are shown to the instructor only."""
 
@@ -60,6 +62,9 @@ class LabelledLine:
     text: str
 
 
+_HELP = LabelledLine("Help", f"open {GUIDE}, in your starter files")
+
+
 @dataclass(frozen=True)
 class CheckText:
     """One check as text; `read` is a lab step to read, `again` a command that grades the criterion again; "" if there is none."""
@@ -94,6 +99,12 @@ def _outcome(check: CheckResult) -> Outcome:
 def tells(check: CheckResult) -> bool:
     """Return whether a check has feedback of its own: not if it passed, was not judged, or was skipped for another check."""
     return check.outcome not in ("passed", "skipped", "not_judged")
+
+
+def help_lines(result: Result) -> list[LabelledLine]:
+    """Return the line that names the students' guide; [] if nothing was lost: no check failed or was skipped."""
+    outcomes = {check.outcome for part in result.parts for check in part.checks}
+    return [_HELP] if result.status in ("empty", "unreadable") or outcomes - {"passed", "not_judged"} else []
 
 
 def number(points: float) -> str:
