@@ -58,7 +58,12 @@ def test_github_annotates_the_definition_and_adds_to_the_summary(
     code, out, _ = run("ci")
     assert code == 0
     assert out.startswith(f"::error file={tmp_path.name}/imu_reader.py,line=2,title=")
-    assert (tmp_path / "summary.md").read_text().startswith("before\n## Lab 04-01: 14 &#47; 20\n")
+    public = (tmp_path / "summary.md").read_text()
+    assert public.startswith("before\n## Lab 04-01: 14 &#47; 20\n")
+    assert run("ci", "--traces", "hidden.npz", "--private")[0] == 0
+    hidden = (tmp_path / "summary.md").read_text().removeprefix(public)
+    assert ["These are the public checks." in text for text in (public, hidden)] == [True, False]
+    assert ["Graded on hidden scenarios." in text for text in (public, hidden)] == [False, True]
 
 
 def test_the_exit_code_says_whether_the_points_suffice(run: Run) -> None:

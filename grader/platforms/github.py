@@ -93,14 +93,14 @@ def _property(text: str) -> str:
     return _data(text).replace(":", "%3A").replace(",", "%2C")
 
 
-def summary(result: Result, lab: Lab) -> str:
+def summary(result: Result, lab: Lab, *, hidden: bool = False) -> str:
     """Return Markdown for the step summary: points, outcomes of the checks of plots, deductions with hints, and notes."""
     blocks = [f"## {result.lab.label}: {escaped(words.total_points(result))}"]
     blocks += [f"**{escaped(words.STATUS[result.status])}**"] if words.STATUS[result.status] else []
     blocks += [_table(result), *_plots(result, lab), *_findings(result)]
     noted = [f"- <code>{escaped(note)}</code>" for note in rows.notes(result)]
     blocks += ["\n".join(["### Notes", "", *noted])] if noted else []
-    blocks.append("These are the public checks. On your own machine: `imugrade check`")
+    blocks.append(rows.HIDDEN if hidden else "These are the public checks. On your own machine: `imugrade check`")
     blocks += [f"{line.label}: {line.text}" for line in words.help_lines(result)]
     return "\n\n".join(blocks) + "\n"
 
@@ -203,5 +203,5 @@ their code runs in. `STUDENTS_TOKEN`, a secret of the environment `grading`, may
     ),
     respond=_respond,
     recognise=lambda environ, _: environ.get("GITHUB_ACTIONS") == "true",
-    aside=SecondOutput("GITHUB_STEP_SUMMARY", lambda result, handed: summary(result, handed.lab)),
+    aside=SecondOutput("GITHUB_STEP_SUMMARY", lambda result, handed: summary(result, handed.lab, hidden=handed.hidden)),
 )

@@ -97,7 +97,7 @@ def _line(line: words.LabelledLine) -> str:
 
 def _output(result: Result, hidden: bool) -> str:
     said = [words.STATUS[result.status]] if words.STATUS[result.status] else []
-    said += ["Graded on hidden scenarios. `imugrade check` shows the numbers on the public ones."] if hidden else []
+    said += [rows.HIDDEN] if hidden else []
     said += [f"Note: {note}" for note in rows.notes(result)]
     said += [f"Fault: {fault}" for fault in words.faults(result)]
     said += [f"{line.label}: {line.text}" for line in words.help_lines(result)]

@@ -15,6 +15,7 @@ from grader.report.causes import Cause
 ResultPart = CriterionResult | ExtensionResult
 
 NOTES_LIMIT = 20
+HIDDEN = "Graded on hidden scenarios. `imugrade check` shows the numbers on the public ones."
 
 
 def parts(result: Result) -> Iterator[ResultPart]:
