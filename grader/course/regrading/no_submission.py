@@ -78,17 +78,17 @@ def _skipped_check(check: CheckResult) -> CheckResult:
 def _blank_result(id_: str, person: Person, like: Result) -> Result:
     """Return a result without points for a person without a submission, with the criteria of `like`, a result of the class."""
     criteria = tuple(replace(part, checks=tuple(map(_skipped_check, part.checks))) for part in like.criteria)
-    return replace(
-        like,
-        submission=person.name or id_,
-        status="empty",
-        criteria=criteria,
+    return Result(
+        person.name or id_,
+        "empty",
+        criteria,
         extensions=tuple(ExtensionResult(each.id, False, each.max_points) for each in like.extensions),
         notes=(_NOTE,),
         provenance={
             "submission_sha256": hashlib.sha256(f"no submission of {id_}".encode()).hexdigest(),
             "no_submission": True,
         },
-        repairs=(),
-        unrepaired={},
+        extra_credit_cap=like.extra_credit_cap,
+        lab=like.lab,
+        asked_sha256=like.asked_sha256,
     )
