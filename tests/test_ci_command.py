@@ -101,7 +101,7 @@ def test_classroom50_writes_result_json_with_the_instant_of_the_commit(
         for who in ("AUTHOR", "COMMITTER")
         for name, value in (("NAME", "a"), ("EMAIL", "a@example.org"), ("DATE", "2026-11-01T12:00:00+0200"))
     }
-    for name, value in (ID | of_git).items():
+    for name, value in (ID | of_git | {"GIT_AUTHOR_DATE": "2026-10-01T12:00:00Z"}).items():
         monkeypatch.setenv(name, value)
     subprocess.run(["git", "init", "-q", "."], check=True)
     subprocess.run(["git", "commit", "-q", "--allow-empty", "-m", "x"], check=True)

@@ -127,7 +127,7 @@ def test_an_annotation_points_to_the_line_that_raised_in_a_file_of_the_submissio
 
 
 def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -> None:
-    lab = "import numpy\n\n\nclass LowPassFilter:\n    pass\n"
+    lab = "class LowPassFilterState: ...\n\n\nclass LowPassFilter:\n    pass\n"
     draw = "class NoisyIMU:\n    def plot_imu_data(): ...\n"
     write(
         {

@@ -64,10 +64,11 @@ def test_rubric_roster_and_attempt_rule_of_a_class_need_not_be_given_again_and_o
     assert before["alice"] == 80.0
     Path("late.yaml").unlink()
     Path("roster.csv").unlink()
-    assert graded(run) == (
-        "imugrade: the late policy deducts nothing from 1 of 3 hand-ins: their time is unknown (add a column `submitted` to the roster)\n"
-        "imugrade: 1 warning, unchanged since the last run (`imugrade review` lists them)\n"
-    )
+    for _ in range(2):
+        assert graded(run) == (
+            "imugrade: the late policy deducts nothing from 1 of 3 hand-ins: their time is unknown (add a column `submitted` to the roster)\n"
+            "imugrade: 1 warning, unchanged since the last run (`imugrade review` lists them)\n"
+        )
     assert totals("final") == before
     hand_in(Path("class"), dora=0.5)
     graded(run)

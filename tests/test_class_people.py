@@ -179,6 +179,8 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
         page = words(desk.get("/class?find=Cy").text)
         assert "Bob Roe bob A – – – – – – empty 1 Cy Moe cy B – – – – – – no submission" in page
         assert "no submission (1)" in page
+    Path("canvas.csv").write_text(HEAD + '"Lee, Ann",101,ann,,A,\n')  # no row wants the grade that bob has not
+    assert run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")[0] == 0
     for more, empty in ((), ""), (("--unreadable", "0"), "0"):
         assert run("export", "out", "-f", "csv", "-o", "marks.csv", *more)[0] == 0
         assert cells("marks.csv", "section", "final") == [("A", "100"), ("A", empty), ("B", "")]
@@ -351,8 +353,8 @@ def test_grace_days_of_a_student_are_taken_off_the_days_that_count(run: Run) -> 
 
 
 def test_the_time_of_the_platform_goes_before_that_of_the_roster(run: Run) -> None:
-    path = gradescope(a_class(2, [{"filters.py": "# 1\n"}]), Path())
-    roster = "sid,submitted\ns00000,2026-11-21T09:00Z\ns00001,2026-11-20T21:00Z\n"
+    path = gradescope(a_class(3, [{"filters.py": "# 1\n"}]), Path())
+    roster = "sid,submitted\ns00000,2026-11-21T09:00Z\ns00001,2026-11-20T21:00Z\ns00002,2026-11-20T09:00Z\n"
     err = graded(run, folder=path, roster=roster)
     assert (
         "imugrade: Jürgen_Müßig_s00000: submitted 2026-11-20T21:00:00+00:00 by the platform, which counts, "

@@ -215,6 +215,12 @@ def test_a_worker_with_other_versions_is_refused(site: Site, tmp_path: Path, mon
     assert not (tmp_path / "marked").exists()
 
 
+def test_a_worker_that_cannot_isolate_is_refused(site: Site) -> None:
+    site.staff(1)
+    told = refusal(site.address, partial(classroom.guarded_marker, rubric.load(LAB), bundles.shipped(), "none", False))
+    assert "this machine cannot isolate students' code" in told
+
+
 def test_a_cluster_without_workers_is_refused(site: Site) -> None:
     site.staff(0)
     assert refusal(site.address) == (

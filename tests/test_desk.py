@@ -14,7 +14,7 @@ import pytest
 from markupsafe import escape
 
 from grader.course.record.submission_archive import LARGEST, pack, unpack
-from grader.desk import app
+from grader.desk import app, rubric_what_if
 from grader.desk.overviews import queue
 from grader.desk.regrade_requests import read_in
 from grader.desk.similarity_groups import similarity_groups
@@ -165,14 +165,14 @@ def test_points_of_a_person_reach_the_published_files_and_beneath_others_are_ref
 
 def test_undo_brings_back_the_override_before_with_its_comment_and_history_keeps_all(desk: Desk, out: Path) -> None:
     give(desk, "bob", ADDRESS, "4", "first")
-    give(desk, "bob", ADDRESS, "", "a comment alone")
-    assert row(out, "bob")["final"] == "98"
-    assert "a comment alone" in (out / "submissions" / "bob" / "report.html").read_text()
     give(desk, "bob", ADDRESS, "5", "second")
+    give(desk, "bob", ADDRESS, "", "a comment alone")
+    assert row(out, "bob")["final"] == "99"
+    assert "a comment alone" in (out / "submissions" / "bob" / "report.html").read_text()
     give(desk, "bob", ADDRESS, "", "", do="undo")
     assert row(out, "bob")["final"] == "98"
     history = desk.book.on_thread(desk.book.store.history)
-    assert [each.comment for _, each in history] == ["first", "a comment alone", "second", "first"]
+    assert [each.comment for _, each in history] == ["first", "second", "a comment alone", "first"]
     give(desk, "bob", ADDRESS, "", "", do="undo")
     page = words(desk.get("/submission/bob").text)
     assert page.count(f"{ADDRESS} 4") == 2
@@ -214,14 +214,17 @@ def test_grades_and_reports_are_downloaded_from_the_class_page(desk: Desk, out: 
     answer = desk.post("/export", {"format": "csv", "do": "grades"})
     assert (answer.status, answer.headers["content-disposition"]) == (200, 'attachment; filename="marks.csv"')
     assert {row["submission"]: row["final"] for row in csv.DictReader(answer.text.splitlines())}["bob"] == "98"
-    answer = desk.post("/export", {"do": "feedback"})
+    answer = desk.post("/export", {"do": "feedback", "format": "canvas"})
     assert (answer.status, answer.headers["content-type"]) == (200, "application/zip")
 
 
 def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: Desk, out: Path) -> None:
     assert give(desk, "bob", ADDRESS, "3", seen=0, who="Eve").status == 303
-    late = give(desk, "bob", ADDRESS, "5", seen=0, who="Ann")
+    draft = {"draft": "/submission/bob#a", "fields": '[["points", "5"]]'}
+    desk.post("/draft", draft, "Ann")
+    late = give(desk, "bob", ADDRESS, "5", seen=0, who="Ann", draft=draft["draft"])
     assert late.status == 409
+    assert desk.book.on_thread(lambda: desk.book.store.drafts("Ann")) == {draft["draft"]: draft["fields"]}
     assert "Eve changed something" in words(late.text)
     assert '<a href="/submission/bob">Open the page again</a>' in late.text
     assert row(out, "bob")["final"] == "97"
@@ -264,6 +267,10 @@ def test_every_reason_is_told_with_its_sentence_and_can_be_ticked(tmp_path: Path
         assert "twin1 l 100 , twin2 100 , twin3 100" in only
         assert "No .py" not in only
         assert "/submission/void/picture/" in desk.get("/submission/void").text
+        twins = next(each for each in desk.book.on_thread(lambda: queue(desk.book)) if each.others)
+        desk.post("/reviewed", {"look": twins.key, "done": "yes"})
+        assert desk.get(twins.together).status == 200
+        desk.post("/reviewed", {"look": twins.key, "done": "no"})
         key = next(each for each in desk.book.on_thread(lambda: queue(desk.book)) if each.id == "void").key
         assert desk.post("/reviewed", {"look": key, "done": "yes"}, "Ann").status == 303
         (review,) = desk.book.on_thread(desk.book.store.reviews).values()
@@ -286,6 +293,7 @@ def test_reviewing_an_empty_hand_in_says_on_its_button_that_it_gives_0_and_befor
     nothing = Student("void", dict.fromkeys([c.id for c in RUBRIC.checks], 0.0), status="empty")
     with desk_over(out := make_class(tmp_path / "out", [nothing])) as desk:
         assert row(out, "void")["total"] == ""
+        give(desk, "void", "filtering", "", "a comment alone")
         before = main(desk.get("/?kind=empty").text)
         assert "The grade is blank until you give 0 points here or override the total. Give 0 points : Empty" in before
         assert "Mark as reviewed" not in before
@@ -295,6 +303,9 @@ def test_reviewing_an_empty_hand_in_says_on_its_button_that_it_gives_0_and_befor
         desk.book.settled()
         assert row(out, "void")["total"] == "0"
         assert "counts as 0 points Reopen, leave blank" in main(desk.get("/").text)
+        desk.post("/reviewed", {"look": key, "done": "no"})
+        desk.book.settled()
+        assert row(out, "void")["total"] == ""
 
 
 def test_a_total_says_before_what_it_leaves_out_and_lateness_is_not_asked_for_again(tmp_path: Path) -> None:
@@ -469,6 +480,10 @@ def test_a_request_without_a_student_keeps_the_others_and_gets_its_student_on_th
         assert '<input type="hidden" name="about" value="filtering">' in desk.get("/regrade-requests").text
         again = read_in(desk.book, folder)  # as the next start of the desk does
         assert any("no student mail 17 (ada has a request with this text on record)" in line for line in again)
+        table = "Name,Student ID,Comment,Request\nLi Wei,w1,see below,Mine\n"  # the surest name of a column counts
+        assert desk.post("/regrade-requests", {"text": table}).status == 303
+        last = desk.book.on_thread(desk.book.store.regrade_requests)[-1]
+        assert (last.id, last.text) == ("w1", "Mine")
         ambiguous = desk.post("/regrade-requests", {"text": "Hello", "who": "Li Wei"})
         assert "is ambiguous: it may mean" in words(ambiguous.text)
 
@@ -490,12 +505,18 @@ def test_times_at_the_desk_are_those_of_the_class(desk: Desk) -> None:
     assert re.search(r"\d\d:\d\d UTC by prof", words(desk.get("/submission/bob").text))
     desk.post("/what-if", {"late:due": "2026-11-20T23:00+01:00", "late:tz": "Asia/Kolkata", "do": "mark"})
     assert re.search(r"\d\d:\d\d UTC\+05:30 by prof", words(desk.get("/submission/bob").text))
+    group = {"id": "bob", "target": ADDRESS, "points": "5", "comment": "misled", "seen": 9}
+    desk.post("/groups/fault/sensor-id-as-address", group)
+    assert re.search(r"prof, \S+ \d\d:\d\d UTC\+05:30, for 1", words(desk.get("/groups").text))
 
 
 # ---- what would it cost ----
 
 
-def test_a_rubric_is_previewed_saved_and_marks_the_class_only_when_it_is_asked_to(desk: Desk, out: Path) -> None:
+def test_a_rubric_is_previewed_saved_and_marks_the_class_only_when_it_is_asked_to(
+    desk: Desk, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rubric_what_if, "now", lambda: "2026-11-20T10:00:01+00:00")
     page = words(desk.get(f"/what-if?weight:{ADDRESS}=14").text)
     assert "2 of 3 final grades change; mean of graded 96.7 → 94.7" in page
     assert row(out, "bob")["total"] == "94"
@@ -508,7 +529,9 @@ def test_a_rubric_is_previewed_saved_and_marks_the_class_only_when_it_is_asked_t
     assert {each.id: each.max_points for each in rubric.load(LAB, file).checks}[ADDRESS] == 10.0
     assert row(out, "bob")["total"] == "94"
     assert "2 of 3 final grades change" in words(desk.get("/what-if?price:sensor-id-as-address=1").text)
+    monkeypatch.setattr(rubric_what_if, "now", lambda: "2026-11-20T10:00:02+00:00")
     desk.post("/what-if", {"price:sensor-id-as-address": "1", "do": "mark"})
+    assert len([*out.glob("rubric-*.yaml")]) == 2
     assert [row(out, id_)["total"] for id_ in ("bob", "cyd")] == ["99", "98"]
     assert "99 / 100" in words(desk.get("/submission/bob").text)
     desk.book.settled()
@@ -683,5 +706,6 @@ def test_what_if_edits_the_late_policy(tmp_path: Path) -> None:
             assert desk.post("/what-if", {**wish, "do": "mark"}).status == 303
             desk.book.settled()
             assert (row(out, "ada")["total"], row(out, "ada").get("final")) == ("100", final)
+            assert (" − late 10" in words((out / "submissions/ada/report.html").read_text())) == bool(final)
             assert f'name="late:due" size="24" value="{wish["late:due"][:10]}' in desk.get("/what-if").text
         assert "due must be a date and time" in words(desk.get("/what-if?late:due=tomorrow").text)

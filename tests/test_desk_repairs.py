@@ -22,7 +22,7 @@ from grader.course.run.class_grading import settings_on_record
 from grader.desk import repair_jobs
 from grader.desk.editing import as_bytes, editable
 from grader.labs.imu.lab import LAB
-from tests.class_commands import column, commands, result_by_comment
+from tests.class_commands import CHECK, column, commands, result_by_comment
 from tests.desk import Desk, desk_over, words
 
 STOPS, FIXED = "stops", "# 1"
@@ -153,6 +153,12 @@ def test_of_two_at_once_nobody_takes_back_a_repair_that_only_the_other_has_seen(
     late = sent(desk, "ada", **once, do="undo")
     assert "Somebody has saved or undone a repair since you opened the page" in words(late)
     assert len(json.loads((out / "submissions/ada/result.json").read_text())["repairs"]) == 2
+
+
+def test_after_a_change_of_the_rubric_a_preview_is_by_the_new_one(desk: Desk) -> None:
+    for weight, told in (("6", "Filtering of 20 14 17 +3"), ("9", "Filtering of 20 12.18 16.09 +3.91")):
+        desk.post("/what-if", {f"weight:{CHECK}": weight, "do": "mark"})
+        assert told in words(previewed(desk, text="# 0.5\n"))
 
 
 def test_the_same_repair_is_offered_to_the_same_file_with_the_same_error(desk: Desk, out: Path) -> None:

@@ -225,6 +225,13 @@ def test_moodle_online_text_and_feedback_stand_beside_the_files(tmp_path: Path) 
     )
 
 
+@pytest.mark.parametrize("shape", ["moodle", "git"])
+def test_of_two_downloads_that_tell_no_time_the_one_given_last_is_graded(shape: str, tmp_path: Path) -> None:
+    before, now = (classes.a_class(1, [{"filters.py": f"# {at}\n"}]) for at in (1, 2))
+    paths = [classes.SHAPES[shape](each, tmp_path / str(at) / "in") for at, each in enumerate((before, now))]
+    assert [*files_of(read_class(paths, LAB.files)).values()] == [{"filters.py": b"# 2\n"}]
+
+
 # ---- Gradescope ----
 
 
@@ -234,8 +241,13 @@ def export(tmp_path: Path, records: object, *folders: str) -> Intake:
     return read_class([write({**members, "submission_metadata.yml": text}, tmp_path / "g", "zip")], LAB.files)
 
 
-def submitter(name: str, sid: str) -> dict[str, str]:
-    return {":name": name, ":sid": sid, ":email": f"{sid}@example.edu"}
+def submitter(name: str, sid: str, email: str = "") -> dict[str, str]:
+    return {":name": name, ":sid": sid, ":email": email or f"{sid}@example.edu"}
+
+
+def test_people_of_one_name_without_a_number_are_told_apart_by_their_addresses(tmp_path: Path) -> None:
+    own = {f"submission_{at}": {":submitters": [submitter("Ann Lee", "", f"ann{at}@x.edu")]} for at in (1, 2)}
+    assert len(export(tmp_path, own, *own).entries) == 2
 
 
 def test_a_group_is_one_submission_of_all_its_people_in_any_order(tmp_path: Path) -> None:

@@ -112,6 +112,11 @@ REFUSED = {
     "name the assignment with --column; columns found: Lab 03 (4700), Lab 04-01 (4711)": (canvas_file(), None),
     "the assignment is out of 50, and the rubric out of 100; add --scale to have the points scaled, or make them equal on the "
     "platform or in rubric.yaml": (canvas_file("D,101,s1,jd,A,,,"), "4700"),
+    "the assignment is out of 0, and the rubric out of 100; add --scale to have the points scaled, or make them equal on the "
+    "platform or in rubric.yaml": (
+        f"{HEAD}    Manual Posting,,,,,,,\n{POINTS}D,101,s1,jd,A,,,".replace("100.0", "0").encode(),
+        "4711",
+    ),
     "Canvas imports no column with a title such as Final Points lab (9); rename the assignment in Canvas": (
         b"Student,ID,Section,Final Points lab (9)\nD,101,A,\n",
         None,
@@ -152,9 +157,10 @@ def test_two_students_of_one_name_never_get_each_others_marks() -> None:
 
 
 def test_semicolons_names_in_two_columns_and_a_gradebook_without_a_last_newline() -> None:
-    text = "LastName;FirstName;ID;SIS Login ID;Section;Lab (1)\n    Points Possible;;;;;100,0\nDoe;Jane;7;x;A;"
-    filled = canvas.fill(Template(text.encode(), "t.csv"), class_of(final_grade("a", Person("Jane Doe"))))
-    assert filled.data.decode() == text + "87,5"
+    text = 'LastName;FirstName;ID;SIS Login ID;Section;Lab (1)\n    Points Possible;;;;;"100,0"\nDoe;Jane;7;x;A;'
+    for file, grade in ((text, "87,5"), (text.replace(";", ","), '"87,5"')):
+        filled = canvas.fill(Template(file.encode(), "t.csv"), class_of(final_grade("a", Person("Jane Doe"))))
+        assert filled.data.decode() == file + grade
 
 
 # ---- Moodle ----
@@ -186,6 +192,13 @@ def test_a_worksheet_gets_the_grade_and_a_comment_unless_a_teachers_is_there_and
     other = '"Participant 13","=1+1 ""X""",x@example.edu,-,"",55.00,100.00,Yes,"Friday, 1",""'
     filled = moodle.fill(Template(worksheet(row.format(*before), other), "w.csv"), class_of(final_grade))
     assert filled.data == worksheet(row.format(*after), other)
+
+
+def test_a_row_of_a_worksheet_is_found_by_its_id_number_or_its_user_name() -> None:
+    text = "Identifier,ID number,Username,Grade\nParticipant 12,4711,jd,\n"
+    for name in ("4711", "jd"):
+        filled = moodle.fill(Template(text.encode(), "w.csv"), class_of(final_grade(name, Person(name, name))))
+        assert filled.grades == 1
 
 
 def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_column() -> None:

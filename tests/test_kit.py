@@ -259,10 +259,11 @@ def _attributes(tree: ast.AST) -> set[str]:
 
 
 def test_nothing_that_is_there_is_overwritten(tmp_path: Path, workflows: Path) -> None:
-    (tmp_path / "filters.py").write_text("my work\n")
-    with pytest.raises(RequestError, match="the folder is not empty; choose a new one"):
-        give.student(LAB, tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["filters.py"]
+    for name in (".vscode", "filters.py"):
+        (tmp_path / name).write_text("my work\n")
+        with pytest.raises(RequestError, match="the folder is not empty; choose a new one"):
+            give.student(LAB, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {".vscode", "filters.py"}
     with pytest.raises(RequestError, match="it is there already"):
         give.gradescope(LAB, tmp_path / "filters.py")
     with pytest.raises(RequestError, match=r"imugrade\.yml: it is there already"):

@@ -25,6 +25,7 @@ def test_what_is_made_is_applied_back(before: bytes, data: st.DataObject) -> Non
 def test_a_diff_reads_as_diff_u_writes_it_and_what_git_writes_above_it_is_passed_over() -> None:
     diff = diff_of("f.py", b"one\ntwo", b"one\n2\n")
     assert diff == "--- a/f.py\n+++ b/f.py\n@@ -1,2 +1,2 @@\n one\n-two\n\\ No newline at end of file\n+2\n"
+    assert apply_patch(b"a\nb\n", f"{HEAD}@@ -1,0 +2 @@\n+x\n") == b"a\nx\nb\n"  # as `diff -U0` writes an insertion
     assert apply_patch(b"one\ntwo", f"diff --git a/f.py b/f.py\nindex 1..2 100644\n{diff}") == b"one\n2\n"
 
 

@@ -210,6 +210,9 @@ def test_a_suggested_repair_is_applied_only_if_the_rubric_says_so_and_stays_take
     run("repair", "out", "alice", "--undo", "--author", "Eve")
     run("grade", "class", "-o", "out", "--force")
     assert (total(), suggestions) == (94.0, ["alice"])
+    rubric_with(Path("auto.yaml"), SUGGESTED, ("time_axis: 3", "time_axis: 4"))  # the search is made again
+    run("grade", "class", "-o", "out", "--rubric", "auto.yaml", "--change")
+    assert (total(), suggestions) == (94.0, ["alice", "alice"])
 
 
 # ---- where a repair shows ----
