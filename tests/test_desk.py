@@ -219,7 +219,8 @@ def test_grades_and_reports_are_downloaded_from_the_class_page(desk: Desk, out: 
 
 
 def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: Desk, out: Path) -> None:
-    assert give(desk, "bob", ADDRESS, "3", seen=0, who="Eve").status == 303
+    assert give(desk, "bob", ADDRESS, "4", seen=0, who="Zoe").status == 303
+    assert give(desk, "bob", ADDRESS, "3", seen=1, who="Eve").status == 303
     draft = {"draft": "/submission/bob#a", "fields": '[["points", "5"]]'}
     desk.post("/draft", draft, "Ann")
     late = give(desk, "bob", ADDRESS, "5", seen=0, who="Ann", draft=draft["draft"])

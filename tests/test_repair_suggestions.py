@@ -58,9 +58,10 @@ def test_the_sound_program_is_among_the_candidates_of_as_many_as_before() -> Non
         ("for k in x:\n    brek\n", "for k in x:\n    break\n", 1),
         (">>> def f(x):\n...     return x\n...\n", "def f(x):\n    return x\n", 0),
         ("import math\n>>> y = math.pi\n", "import math\ny = math.pi\n", 1),
+        ("def f(x)):\n    return x\n", "def f(x):\n    return x\n", 0),
     ],
 )
-def test_a_misspelt_keyword_and_a_pasted_prompt_are_put_right(written: str, meant: str, row: int) -> None:
+def test_a_misspelt_keyword_a_pasted_prompt_and_a_token_too_many_are_put_right(written: str, meant: str, row: int) -> None:
     made = itertools.islice(candidates(written.encode(), row, "f"), MOST)
     assert ast.dump(ast.parse(meant)) in [ast.dump(ast.parse(each.decode())) for each in made]
 
@@ -71,21 +72,49 @@ def test_what_cannot_be_read_has_no_candidates(content: bytes) -> None:
 
 
 def test_edits_are_made_in_a_process_that_a_limit_ends() -> None:
-    assert limited(b"def f(x)\n    return x\n", 0, "f", 1).files == (b"def f(x):\n    return x\n",)
+    assert limited(b"y = f(g(x, 1)\n", 0, "", 1).files == (b"y = f(g(x, 1))\n",)  # and not f(g(x), 1)
     began = time.monotonic()
     endless = b"x = ((((\n" + b"a, " * 30_000 + b"\n" + b"b, " * 300  # no edit closes it; 1500 are read to the end
     assert limited(endless, 2, "f", MOST, cpu_s=1) == Candidates(cpu_s=1)
     assert time.monotonic() - began < 20
 
 
+BROKEN = Submission("x", "x", {"filters.py": b"broken", "noisy_imu.py": b"broken"}, (), "ready", "0")
+
+
+def graded(handed_in: Submission, cpu_s: float | None = None) -> Result:
+    """The result of files that are broken or hold the points that they earn, of 6 and of 8."""
+    rows = [
+        CheckResult(id_, "", "error", 0.0, most, where=Where(file, row))
+        if handed_in.files[file] == b"broken"
+        else CheckResult(id_, "", "partial", float(handed_in.files[file]), most)
+        for id_, file, row, most in (
+            ("filtering.follows_recursion", "filters.py", 1, 6.0), ("noise_model.noise_size", "noisy_imu.py", 2, 8.0)
+        )
+    ]  # fmt: skip
+    parts = (CriterionResult(row.id.partition(".")[0], "", row.max_points, (row,)) for row in rows)
+    return Result("x", "graded", tuple(parts), cpu_s=0.1)
+
+
+@pytest.mark.parametrize(
+    ("filters", "noisy", "suggested"),
+    [
+        ((b"2", b"2.0"), (b"3", b"3.0"), ("noisy_imu.py", b"3", 1)),
+        ((b"2", b"2.0"), (b"3", b"4"), ("filters.py", b"2", 1)),
+        ((b"2", b"3"), (b"3", b"4"), None),
+    ],
+)
+def test_the_costliest_place_whose_edits_earn_the_same_score_is_suggested_with_its_first_edit(
+    filters: tuple[bytes, ...], noisy: tuple[bytes, ...], suggested: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(suggestions, "limited", lambda content, row, *_: Candidates((filters, noisy)[row]))
+    found = suggest(BROKEN, graded(BROKEN), LAB, graded)
+    assert (found and (found.file, found.content, found.alike)) == suggested
+
+
 def test_candidates_and_cpu_time_are_those_of_the_whole_submission(monkeypatch: pytest.MonkeyPatch) -> None:
     budgets: list[float | None] = []
-    rows = [
-        CheckResult(id_, "", "error", 0.0, 6.0, where=Where(file, 1))
-        for id_, file in (("filtering.follows_recursion", "filters.py"), ("noise_model.noise_size", "noisy_imu.py"))
-    ]
-    broken = Result("x", "graded", tuple(CriterionResult(row.id.partition(".")[0], "", 20.0, (row,)) for row in rows))
-    handed_in = Submission("x", "x", {"filters.py": b"a", "noisy_imu.py": b"b"}, (), "ready", "0")
+    broken = graded(BROKEN)
 
     def asked(edits_cpu_s: float, mark_cpu_s: float) -> list[float | None]:
         def made(content: bytes, row: int, name: str, most: int) -> Candidates:
@@ -97,7 +126,7 @@ def test_candidates_and_cpu_time_are_those_of_the_whole_submission(monkeypatch: 
 
         budgets.clear()
         monkeypatch.setattr(suggestions, "limited", made)
-        assert suggest(handed_in, broken, LAB, mark) is None
+        assert suggest(BROKEN, broken, LAB, mark) is None
         return budgets
 
     assert asked(edits_cpu_s=2.0, mark_cpu_s=1.0) == [float(left) for left in range(18, 0, -1)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import io
 import os
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -87,17 +88,20 @@ def test_every_kind_of_question_is_a_program_that_runs(tmp_path: Path) -> None:
     silent = {id_ for id_, questions in asked.items() if not questions}
     assert silent == {id_ for id_ in judgements if id_.startswith("realtime_visualization.")}
     kinds = {each.op: each for questions in asked.values() for each in questions}
-    # twins are asked only where something is to be told apart
-    noise, biases = kinds["noise"], {"biases": np.zeros((1, 2, 3))}
-    twins = {**noise.fields, "twins": [dict.fromkeys(("accel_noise_std", "gyro_noise_std"), 0.1)], "states": [0]}
-    kinds.setdefault("noise_twins", replace(noise, op="noise_twins", fields=twins, arrays={**noise.arrays, **biases}))
+    # twins are asked only where something is to be told apart; here only the gyroscope is noisy
+    noise, biases = kinds["noise"], {"biases": np.arange(1.0, 7.0).reshape(1, 2, 3)}
+    twins = {**noise.fields, "twins": [{"accel_noise_std": 0.0, "gyro_noise_std": 0.1}], "states": [0]}
+    kinds["noise_twins"] = replace(noise, op="noise_twins", fields=twins, arrays={**noise.arrays, **biases})
     assert set(kinds) == set(WRITTEN)
     several = [replace(each, number=number) for number, each in enumerate(kinds.values(), 1)]
     text = program("everything", "All of it is earned.", several, os.path.relpath(sound, tmp_path))
     model = {LAB.model: student.robot.xml}
     shown = ran(repeating.write_program(tmp_path, text, several, model), tmp_path)
-    assert "instance 1:" in shown
-    assert "the sensors say" in shown
+    yours, sensors, *_ = shown.splitlines()
+    assert yours.startswith("ids {} and {}: yours ".format(*kinds["read"].arrays["pairs"][0]))
+    assert yours.partition("yours ")[2] == sensors.partition("the sensors say ")[2]
+    clean, noisy = (np.array(re.sub(r"[][]", " ", line).split()[-6:], float) for line in shown.splitlines()[-2:])
+    assert (np.abs(noisy - clean - np.arange(1.0, 7.0)) < [1e-6] * 3 + [0.5] * 3).all()
     assert "roll and pitch, first and last:" in shown
     assert (tmp_path / "imu_data.png").is_file()
 
