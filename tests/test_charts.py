@@ -119,7 +119,8 @@ def test_of_hidden_scenarios_nothing_is_drawn_but_a_picture_that_no_code_draws_i
     with Image.open(io.BytesIO(content)) as picture:
         assert (picture.format, picture.mode, picture.size) == ("PNG", "P", (640, 427))
         assert {"Software", "comment"}.isdisjoint(picture.info)
-        assert picture.convert("RGB").getpixel((74, 43)) == pytest.approx((255, 126, 11), abs=8)  # orange, as in the file
+        orange = 255, 126, 11
+        assert picture.convert("RGB").getpixel((74, 43)) == pytest.approx(orange, abs=8)
     assert f'<img src="data:image/png;base64,{shown.png}"' in report_page(FinalGrade("x", result), (shown,))
 
 

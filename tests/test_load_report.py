@@ -85,6 +85,13 @@ def test_answers_that_come_late_use_up_the_time_of_their_part_and_of_no_other() 
     assert list(asked(talk, 1)) == [True]
 
 
+def test_data_is_sent_last_and_of_other_files_the_nearest_is_searched_first() -> None:
+    talk = conversation(Boxes(0.0, 0.0))
+    assert sorted(["a.csv", "filters.py", "b.py"], key=talk._send_order) == ["filters.py", "b.py", "a.csv"]
+    talk._outline = {path: ["LowPassFilter"] for path in ("backup/a.py", "solution.py")}
+    assert talk._other_files_defining("LowPassFilter", "filters.py") == ["solution.py", "backup/a.py"]
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(
     not os.path.exists("/proc/self/schedstat"), reason="this system does not tell who waits for a processor"

@@ -46,6 +46,7 @@ READS = {
     "in a helper": ("def helper():\n    return data.time\ndef f(m, d):\n    return m.nq, helper()", ["data"], ["global data"]),
     "by another name": ("simulation = data\ndel data\ndef f(m, d):\n    return model, simulation", BOTH, TOLD),
     "where nothing has set them": ("del model, data\ndef f(m, d):\n    return model, mj_data", BOTH, TOLD),
+    "one beside one that nothing has set": ("def f(m, d):\n    return model, data, mj_data", [*BOTH, "data"], TOLD),
     "an attribute of that name": ("class C:\n    data = None\ndef f(m, d):\n    return C.data, m", [], []),
     "one of two": ("other = mujoco.MjData(model)\ndef f(m, d):\n    return model, data, other", ["model"], TOLD),
 }  # fmt: skip

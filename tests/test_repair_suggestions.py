@@ -61,7 +61,9 @@ def test_the_sound_program_is_among_the_candidates_of_as_many_as_before() -> Non
         ("def f(x)):\n    return x\n", "def f(x):\n    return x\n", 0),
     ],
 )
-def test_a_misspelt_keyword_a_pasted_prompt_and_a_token_too_many_are_put_right(written: str, meant: str, row: int) -> None:
+def test_a_misspelt_keyword_a_pasted_prompt_and_a_token_too_many_are_put_right(
+    written: str, meant: str, row: int
+) -> None:
     made = itertools.islice(candidates(written.encode(), row, "f"), MOST)
     assert ast.dump(ast.parse(meant)) in [ast.dump(ast.parse(each.decode())) for each in made]
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 
 import grader
 from grader.engine.findings import Where
-from grader.engine.results import Result, from_dict, to_dict, to_json
+from grader.engine.results import ExtensionResult, Result, from_dict, to_dict, to_json
 from grader.sandbox.isolation_levels import LEVELS
 from tests.fake_results import check, lost, result
 
@@ -98,6 +99,14 @@ def test_the_schema_asks_for_every_field_and_refuses_an_open_check_in_a_graded_r
         assert not VALID.is_valid({name: value for name, value in record.items() if name != field}), field
     incomplete = to_dict(result(check("not_judged", None), status="incomplete"))
     assert not VALID.is_valid({**incomplete, "status": "graded"})
+
+
+def test_students_do_not_see_where_the_grader_failed_on_hidden_scenarios() -> None:
+    """Code could choose the line."""
+    open_, extension = result(check(fault="a line")), ExtensionResult("x", True, 0.0, (check(fault="a line"),))
+    made = replace(open_, extensions=(extension,))
+    assert to_json(made).count("a line") == 2
+    assert "a line" not in to_json(replace(made, provenance={**made.provenance, "hidden": True}))
 
 
 def test_hostile_text_is_written_as_text_that_every_reader_takes() -> None:

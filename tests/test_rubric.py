@@ -18,6 +18,8 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.engine import rubric, rubric_sections
 from grader.engine.lab import Lab
+from grader.engine.marks import marked
+from grader.engine.results import Repair, Result, Unrepaired
 from grader.engine.rubric import RubricError
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
@@ -100,6 +102,18 @@ def test_faults_cost_what_the_rubric_says_in_whichever_order() -> None:
     assert one.sha256 == other.sha256
     assert len({one.sha256, dearer.sha256, rubric.load(LAB).sha256}) == 3
     assert one.asked_sha256 == rubric.load(LAB).asked_sha256
+
+
+def test_a_fault_costs_its_points_in_each_criterion_before_a_repair_too() -> None:
+    unrepaired = dict.fromkeys(
+        ("filtering.follows_recursion", "filtering.passes_constant", "sensor_access.follows_address"),
+        Unrepaired(0.0, ("does-not-import",)),
+    )
+    repairs = (Repair("filters.py", "", 0.0, "", "", "", score_before=0.0),)
+    found = Result("x", "graded", (), repairs=repairs, unrepaired=unrepaired)
+    by = read(SHIPPED + "faults: {does-not-import: 4}\n")
+    most = {check.id: check.max_points for check in by.checks}
+    assert marked(found, by).repairs[0].score_before == sum(most[id_] for id_ in unrepaired) - 2 * 4
 
 
 # ---- what is asked for ----
@@ -341,10 +355,12 @@ def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone(
     text = SHIPPED
     for old, new in edits:
         text = edited(old, new, text)
-    granted = read(text)
+    granted = read(text + f"late:\n  {DUE}\n  per_day: 10%\n")
     assert [extension.points for extension in granted.extensions] == points
     assert all(sum(c.max_points for c in e.checks) == pytest.approx(e.points) for e in granted.extensions if e.checks)
     assert (granted.extra_credit_cap, sum(criterion.points for criterion in granted.criteria)) == (cap, 100.0)
+    assert granted.late is not None
+    assert granted.late.per_day == 10.0
 
 
 def test_a_rubric_of_an_earlier_version_is_read_with_the_names_that_its_keys_had() -> None:

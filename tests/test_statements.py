@@ -92,17 +92,17 @@ def test_a_definition_that_raises_is_lost_and_told_by_its_line(text: str) -> Non
 
 
 def test_an_import_that_fails_costs_what_uses_it_and_not_what_is_imported_beside_it() -> None:
-    names, noted = run("import nothing_here as n, math\nfrom nothing_here.parts import part\nx = math.pi\n")
+    names, noted = run("import nothing_here as n, math\nfrom nothing_here.parts import p\nimport math.q\nx = math.pi\n")
     assert names["x"] > 3
     for use in (
         lambda: names["n"].DataFrame,
-        lambda: names["part"](),
-        lambda: list(names["part"]),
+        lambda: names["p"](),
+        lambda: list(names["p"]),
         lambda: names["n"][0],
     ):
         with pytest.raises(ModuleNotFoundError, match="No module named 'nothing_here'"):
             use()
-    assert [at for at, *_ in told(noted)] == [1, 2]
+    assert [at for at, *_ in told(noted)] == [1, 2, 3]
 
 
 @pytest.mark.parametrize("lost", ["helper = fast(max)", "class helper(fast):\n    pass"])

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import ast
+import threading
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import datetime, timezone
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from packaging.requirements import Requirement
 
-from grader.base.errors import RequestError
+from grader.base.errors import Crashed, RequestError
 from grader.course.publishing.contradictions import Contradiction
 from grader.course.regrading.groups import decisions, groups
 from grader.desk import drafts, regrade_requests, review_queue
@@ -22,19 +24,23 @@ from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.check_catalog import Check
 from grader.engine.check_runner import CheckRun, Judgement
 from grader.engine.feedback import Feedback
+from grader.engine.grader import Marker
 from grader.engine.rubric import LatePolicy
 from grader.intake.downloads import Download
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.worker import noise, simulation
 from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person, untimed
 from grader.people.late_policy import judged
 from grader.platforms import canvas
 from grader.platforms.found import AMBIGUOUS, at_least_half
 from grader.sandbox.exchange import Deadline, DeadlineError
-from grader.worker import faults, fuzzy_names, packages, saved
+from grader.sandbox.packages import Installed, for_students
+from grader.worker import environment, faults, fuzzy_names, notebooks, packages, saved, virtual_time
 from grader.worker.drawing import Preview
 from tests.corpus.special import png
-from tests.fake_results import check, lost, result
+from tests.corpus.writing import notebook, write
+from tests.fake_results import check, lost, result, submission
 
 PIXELS = np.random.default_rng(1).integers(0, 255, (48, 60, 3), dtype=np.uint8)
 PICTURE = png(60, 48, b"".join(b"\0" + row.tobytes() for row in PIXELS))
@@ -155,6 +161,7 @@ def test_a_regrade_request_has_the_longest_length_at_most() -> None:
     ("own", "taken"),
     [
         (["LowpassFilter"], ["LowpassFilter"]),
+        (["LowpassFilter", "LowpassFilter"], ["LowpassFilter"]),
         (["LowpassFilter", "Low_Pass_Filter"], []),
         (["LowPassFilter", "LowpassFilter"], []),
     ],
@@ -173,12 +180,63 @@ def test_as_many_picture_files_are_read_as_the_limit_says(tmp_path: Path) -> Non
     assert [*known] == names[:24]
 
 
-def test_of_two_figures_saved_to_one_file_the_later_one_is_saved(tmp_path: Path) -> None:
-    (tmp_path / "a.png").write_bytes(b"the same picture")
-    place = str(tmp_path / "a.png")
-    drawn = [saved.RecordedFigure({"event": "saved"}, None, b"the same picture", place) for _ in range(2)]
+@pytest.mark.parametrize(("second", "first"), [("a.png", "overwritten"), ("more/a.png", "saved")])
+def test_of_two_figures_saved_to_one_file_the_later_one_is_saved(second: str, first: str, tmp_path: Path) -> None:
+    (tmp_path / "more").mkdir()
+    drawn = []
+    for place in (tmp_path / "a.png", tmp_path / second):
+        place.write_bytes(b"the same picture")
+        drawn.append(saved.RecordedFigure({"event": "saved", "path": "a.png"}, None, place.read_bytes(), str(place)))
     saved.match_files_to_figures(drawn, str(tmp_path), {})
-    assert [each.facts["event"] for each in drawn] == ["overwritten", "saved"]
+    assert [each.facts["event"] for each in drawn] == [first, "saved"]
+
+
+def test_of_two_cells_that_write_a_file_the_later_one_counts() -> None:
+    book = notebook(*(f"%%writefile filters.py\nx = {n}" for n in range(2)))
+    assert notebooks.files_written(book.encode()) == {"filters.py": "x = 1\n"}
+
+
+def test_of_four_vectors_the_first_two_are_the_reading() -> None:
+    vectors = {name: np.full(3, n) for n, name in enumerate(("gyro", "accel", "accel_true", "gyro_true"))}
+    assert [vector[0] for vector in noise._two_vectors(vectors)] == [1, 0]
+
+
+def test_a_package_that_the_grader_needs_is_shown_if_one_copy_was_asked_for() -> None:
+    copies = [Installed("rich", "1", True, ()), Installed("rich", "2", False, ())]
+    assert for_students([Installed("imugrade", "0", False, (Requirement("rich"),)), *copies]) == copies
+
+
+@pytest.mark.parametrize(("handed_in", "there"), [({}, "ours"), ({"robot.xml": "own"}, "own")], ids=["none", "own"])
+def test_a_model_where_the_sheet_loads_it_is_the_students_if_there_is_one(
+    handed_in: dict[str, str], there: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(simulation, "mujoco", SimpleNamespace(MjModel=SimpleNamespace(from_xml_path=None)))
+    monkeypatch.setattr(environment, "_INSTEAD", {})
+    write(handed_in, tmp_path)
+    simulation._place_model(PurePosixPath(tmp_path / "robot.xml"), "robot.xml", "ours")
+    assert (tmp_path / "robot.xml").read_text() == there
+
+
+def test_a_thread_that_ended_is_joined_at_once_however_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("start", "join"):
+        monkeypatch.setattr(threading.Thread, name, getattr(threading.Thread, name))
+    clock = virtual_time.Clock()
+    clock.add("main")
+    clock.enter("main")
+    virtual_time._replace_threads(clock)
+    thread = threading.Thread(target=clock.advance, args=(1.0,))
+    thread.start()
+    for _ in range(2):
+        thread.join(5.0)
+    assert clock.passed_s == 1.0
+
+
+@pytest.mark.parametrize(("code", "nothing"), [(b"class Game: ...", True), (b"class ComplementaryFilter: ...", False)])
+def test_code_that_earns_nothing_is_of_this_lab_by_the_name_of_an_extension_too(code: bytes, nothing: bool) -> None:
+    marker: Any = SimpleNamespace(_lab=LAB)
+    graded = replace(result(check("error", 0.0, keeps=0.0)), extensions=())
+    handed_in = replace(submission("x"), files={"own.py": code})
+    assert Marker._has_nothing_to_grade(marker, handed_in, graded) is nothing
 
 
 @pytest.mark.parametrize(("before", "event"), [({}, "saved"), ({"a.png": PICTURE}, "shown")], ids=["new", "handed in"])
@@ -262,6 +320,16 @@ def test_a_second_run_beside_other_stand_ins_counts_if_a_check_gets_better_and_n
         run.judgements = dict(second)
     assert run.judgements == (second if counts else first)
     assert run.student.remembered == ([{}] if counts else [])  # type: ignore[attr-defined]
+
+
+def test_a_check_that_ends_the_same_way_in_a_second_run_tells_it_again() -> None:
+    run, ends, waits = _run(), *(Check(f"noise_model.{name}", name, 5) for name in ("noise_size", "read_is_fresh"))
+    run.end(ends, Crashed("it ended"), 0.0)
+    run.end(waits, Crashed("it ended"), 0.0)
+    with run.rerun_beside((), "noise_model"):
+        run.end(ends, Crashed("it ended"), 0.0)
+        run.end(waits, None, 0.0)
+    assert [each.feedback and each.feedback.outcome for each in run.judgements.values()] == ["crashed", "passed"]
 
 
 def test_a_part_with_a_check_that_the_grader_could_not_judge_is_replaced_for_the_parts_that_follow() -> None:

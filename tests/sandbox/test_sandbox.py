@@ -101,16 +101,22 @@ def test_a_question_that_cannot_be_sent_is_our_fault_and_harms_nobody(anyone: Wo
     assert run(anyone, "result = 1") == {"result": 1}
 
 
-@pytest.mark.parametrize("rises", [False, True])
+@pytest.mark.parametrize(
+    ("rises", "source", "kind", "text"),
+    [
+        (False, "os.kill(os.getpid(), 9)", Crashed, "ended by SIGKILL"),
+        (True, "os.kill(os.getpid(), 9)", GraderError, "out of memory"),
+        (True, "os._exit(3)", Crashed, "exit code 3 "),
+    ],
+)
 def test_a_process_that_the_kernel_ended_for_lack_of_memory_is_no_crash_of_the_code(
-    rises: bool, monkeypatch: pytest.MonkeyPatch
+    rises: bool, source: str, kind: type[Exception], text: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     counts = itertools.count() if rises else itertools.repeat(7)
     monkeypatch.setattr(sandbox_module, "_oom_kills", lambda: next(counts))
-    kind, text = (GraderError, "out of memory") if rises else (Crashed, "ended by SIGKILL")
     plain = Sandbox(Contents(WORKER_CODE), isolation_level="none")
     with plain as sandbox, sandbox.worker() as worker, pytest.raises(kind, match=text):
-        run(worker, "import os\nos.kill(os.getpid(), 9)")
+        run(worker, f"import os\n{source}")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the kernel of Linux keeps this counter")
