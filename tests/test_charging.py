@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from grader.base.errors import GraderError
+from grader.base.errors import GraderError, Malformed
 from grader.engine import feedback, hidden_feedback
 from grader.engine.charging import Judge
 from grader.engine.faults import FaultRow
-from grader.engine.findings import Charge, Charged, Cost, Deviation, Size, Skipped
+from grader.engine.findings import Charge, Charged, Cost, Deviation, Raised, Size, Skipped, StudentError
 from grader.engine.hypothesis import Reason
 from grader.labs.imu.lab import LAB
 
@@ -135,9 +135,10 @@ def test_a_fault_in_half_of_a_property_costs_half_at_each_check_and_is_told_wher
     assert found == {"part.a": (0.625, "B holds"), "part.b": (0.75, "")}
 
 
-def test_a_fault_of_any_criterion_explains_the_check_that_shows_it() -> None:
-    found = JUDGE.judge(Facts("a", "cheap"), {**ROWS, "cheap": replace(ROWS["cheap"], group="any")})
-    assert {name: _short(each) for name, each in found.items()} == {"part.a": (0.0, "cheap")}
+@pytest.mark.parametrize(("off", "fits", "named"), [("a", "cheap", "cheap"), ("form a", "odd", "odd part.a")])
+def test_a_fault_of_any_criterion_explains_only_a_check_that_shows_it(off: str, fits: str, named: str) -> None:
+    found = JUDGE.judge(Facts(off, fits), {**ROWS, fits: replace(ROWS[fits], group="any")})
+    assert {name: _short(each) for name, each in found.items()} == {"part.a": (0.0, named)}
 
 
 def test_a_second_fault_gives_no_points_back() -> None:
@@ -192,6 +193,21 @@ def test_a_check_that_lost_nothing_or_does_not_show_the_fault_says_where_it_is_t
     ):
         charge = JUDGE.judge(Facts(off, "dear"), ROWS)[id_]
         assert feedback.feedback_on(Charged(charge), None, ROWS).said == said  # type: ignore[arg-type]
+
+
+def test_an_answer_that_cannot_be_read_is_reviewed_unless_it_shows_tampering() -> None:
+    odd, tampered = Malformed("no array"), Malformed("the worker code was changed")
+    told = [
+        *(feedback.feedback_on(each, None, ROWS) for each in (odd, tampered)),
+        hidden_feedback.feedback_on(odd, ROWS),
+    ]
+    assert [(each.faults, each.not_understood) for each in told] == [((), True), (("tampering",), False), ((), True)]
+
+
+def test_each_criterion_tells_an_exception_on_hidden_scenarios() -> None:
+    finding = Raised(StudentError("IndexError", "", None, None, None), "filtering")
+    keys = [hidden_feedback.cause_key(finding, part) for part in ("filtering", "filtering", "noise_model")]
+    assert keys[0] == keys[1] != keys[2]
 
 
 def test_words_that_cannot_be_formatted_decide_nothing() -> None:

@@ -216,21 +216,21 @@ def _feedback_on_no_answer(finding: NoAnswer, table: Mapping[str, FaultRow]) -> 
     if isinstance(finding, Crashed):
         return no_answer("crashed", f"none: {printable(str(finding), 200)}", ("kills-its-process",), table)
     assert isinstance(finding, Malformed)
-    named = ("tampering",) if "the worker code was changed" in str(finding) else ()
-    got = "an answer that the grader cannot read"
-    hint = NOT_UNDERSTOOD.hint
-    return Feedback("crashed", 0.0, expected="an answer", got=got, hint=hint, faults=named, not_understood=not named)
+    told = no_answer("crashed", "an answer that the grader cannot read", (), table)
+    tampers = "the worker code was changed" in str(finding)
+    return replace(told, faults=("tampering",), not_understood=False) if tampers else told
 
 
 def no_answer(outcome: Outcome, got: str, named: tuple[str, ...], table: Mapping[str, FaultRow]) -> Feedback:
     """Return the feedback on a check whose call of student code got no usable answer; the check earns nothing.
 
     `outcome` (such as "timeout") and the text `got` say what came instead. The hints are those that `table` has for the fault ids
-    in `named`; if `named` is empty, the hint to return plain arrays and numbers (that of `NOT_UNDERSTOOD`).
+    in `named`. If `named` is empty, the hint is to return plain arrays and numbers, and a person reviews the answer, as for
+    `NOT_UNDERSTOOD`.
     """
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(table[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
-    return Feedback(outcome, 0.0, expected=expected, got=got, hint=hint, faults=named)
+    return Feedback(outcome, 0.0, expected=expected, got=got, hint=hint, faults=named, not_understood=not named)
 
 
 NOT_UNDERSTOOD = Feedback(
