@@ -109,6 +109,11 @@ def test_a_syntax_error_is_told_once_with_its_line_and_a_caret(
     assert capsys.readouterr().out.endswith("\n\nYour code printed nothing.\n")
 
 
+def test_an_extension_that_is_not_there_is_called_that(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cli.main(["check", str(write(VERBATIM, tmp_path / "lab")), "--only", "allan_variance"])
+    assert "Nothing to check: there is no allan_variance.py" in capsys.readouterr().out
+
+
 def test_an_interrupt_shows_what_was_judged_until_then(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -55,7 +55,10 @@ class Scenario(Mapping[str, NDArray[Any]]):
 
 @dataclass(frozen=True, eq=False)
 class Traces:
-    """Ground truth to grade with, by scenario: `traces["push"].acceleration`, which is also `arrays["push/acceleration"]`."""
+    """Ground truth to grade with: the true recording of each scenario (simulated motion), such as `traces["push"].acceleration`.
+
+    The attribute `arrays` holds the same arrays by `<scenario>/<array>`, as the file does; `manifest` is the JSON beside the file.
+    """
 
     name: str
     sha256: str

@@ -171,7 +171,7 @@ def _does_not_run(check: CheckResult) -> bool:
 
 
 def points_of(check: CheckResult) -> str:
-    """Return a check's points, ``0 / 6``; if it has several faults, those lost by its `Cause` alone, ``−1.5``; "" if worth 0."""
+    """Return a check's points, ``0 / 6``; with several faults, what the one it is listed under took, ``−1.5``; "" if worth 0."""
     return (
         words.minus(words.points_lost([check])) if len(check.deducted) > 1 else words.row(check, "", LabName()).points
     )

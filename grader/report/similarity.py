@@ -30,7 +30,10 @@ _BLOCK = 256
 
 @dataclass(frozen=True)
 class Pair:
-    """Two similar submissions: how many code hashes both have, and which share of the smaller submission's own hashes that is."""
+    """Two submissions with similar code: how many hashes both have, and their share of the smaller submission's own hashes.
+
+    A hash stands for a run of tokens (see `fingerprint`); own hashes are those that most of the class does not have.
+    """
 
     first: str
     second: str

@@ -73,7 +73,7 @@ def screen(
     blocks = [
         [Text("Does not run", "bold")] if broken else [],
         *([*_cause(cause, result.lab, setting, earlier), *_repeat(cause, lab, repeat, setting)] for cause in broken),
-        _totals(result, parts, setting, earlier, only),
+        _totals(result, parts, setting, earlier, only) or _not_there(result, lab, only, setting),
         _next(found, lab, setting),
         _gained(parts, setting, earlier) if only is None and not verbose else [],
         *([*_cause(cause, result.lab, setting, earlier), *_repeat(cause, lab, repeat, setting)] for cause in whole),
@@ -107,6 +107,12 @@ def _totals(
     titles = max((cell_len(row.title) for row in rows), default=0)
     points = max((len(row.points) for row in rows), default=0)
     return [_total(row, setting, titles, points) for row in rows]
+
+
+def _not_there(result: Result, lab: Lab, only: str | None, setting: Setting) -> list[Text]:
+    """Return the line that the one extension to show is not in the submission; [] for other results without rows."""
+    homes = [part.home for part in lab.bonuses if part.id == only and result.status == "graded"]
+    return setting.hang(Text(), Text(f"Nothing to check: there is no {homes[0]}", "bold")) if homes else []
 
 
 @dataclass(frozen=True)
