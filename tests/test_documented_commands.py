@@ -71,6 +71,7 @@ SAYS = {
     "ci --format github": "^::notice .*100 / 100$",
     "ci --format prairielearn": '^  "message": "100 / 100"',
     "diff": "filtering override  none → 3",
+    "diff out out-next": "^0 of 2 moved; mean of graded",
     "doctor": "import no known package that is missing here|landlock",
     "explain": r"^# \S|sensor-id-as-address",
     "export": r"  [1-9]\d* grades(, \d+ blank)?$",
