@@ -30,10 +30,14 @@ if _hosted:
 
 
 def setup(app: Sphinx) -> None:
-    """Make the navigation of the site from the lists of links on the index pages, which a repository's web page shows, too."""
+    """Make the navigation of the site from the lists of links on the index pages, which a repository's web page shows, too.
+
+    Links to the repository's own pages, such as SECURITY.md, lead to the pages of the site that include them.
+    """
 
     def read(_app: Sphinx, page: str, text: list[str]) -> None:
-        listed = re.findall(r"^- \[[^]]+\]\(((?:\w+/index|[\w-]+))\.md\)", text[0], re.MULTILINE)
+        text[0] = re.sub(r"\((?:\.\./)+([A-Z]+)\.md", lambda link: f"(/{link[1].lower()}.md", text[0])
+        listed = re.findall(r"^- \[[^]]+\]\((\w+/index|/?[\w-]+)\.md\)", text[0], re.MULTILINE)
         if page.rpartition("/")[2] == "index" and listed:
             text[0] += "\n```{toctree}\n:hidden:\n" + "\n".join(listed) + "\n```\n"
 
