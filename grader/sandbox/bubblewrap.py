@@ -1,4 +1,4 @@
-"""Run a zygote (the warm parent of the workers) in bubblewrap, which may create namespaces where this user may not."""
+"""Run a zygote (the parent process of the workers) in bubblewrap, which may create namespaces where this user may not."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SCRATCH_BYTES = 64 << 20
 
 
 def command(plan: Plan, control_fd: int) -> list[str]:
-    """Return the command that starts a zygote (the warm parent of workers) in bubblewrap, with the files that `plan` makes visible.
+    """Return the command that starts a zygote (parent process of workers) in bubblewrap, with the files that `plan` makes visible.
 
     `control_fd` is the descriptor of the socket by which the zygote and the grader communicate.
     """

@@ -21,7 +21,7 @@ FIRST_SPARE_FD = 4  # 0 to 2 are the standard streams, 3 is the line to the grad
 
 @dataclass(frozen=True)
 class Confinement:
-    """Parameters of a worker's isolation, which the zygote (the warm parent) passes on to each worker that it forks.
+    """Parameters of a worker's isolation, which the zygote (the parent process) passes on to each worker that it forks.
 
     Attributes
     ----------

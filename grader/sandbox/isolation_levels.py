@@ -21,7 +21,7 @@ class IsolationLevel:
     own_root
         Whether the sandbox has its own root file system, without the paths of the host.
     own_namespaces
-        Whether each worker has namespaces and a disk of its own, which the zygote (the warm parent of all workers) creates.
+        Whether each worker has namespaces and a disk of its own, which the zygote (the parent process of all workers) creates.
     program
         Name of an installed program that isolates the zygote; "" if the zygote isolates itself.
     """
@@ -54,7 +54,7 @@ LEVELS = (
     ),
     IsolationLevel(
         "bubblewrap",
-        "the zygote in `bwrap`; around each worker limits, Landlock and the allowlist",
+        "the workers' parent process in `bwrap`; around each worker limits, Landlock and the allowlist",
         "the program `bwrap`",
         own_root=True,
         program="bwrap",

@@ -1,4 +1,4 @@
-"""Start a zygote (the warm parent) and ask it for workers: the grader's end of the control socket."""
+"""Start a zygote (the parent process) and ask it for workers: the grader's end of the control socket."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _UCRED = struct.Struct("3i")
 
 
 class Zygote:
-    """Handle of a zygote, the warm parent of workers. Making it starts and isolates the zygote; `await_ready` awaits the imports.
+    """Handle of a zygote, parent process of workers. Making it starts and isolates the zygote; `await_ready` awaits the imports.
 
     Raises
     ------
@@ -283,7 +283,7 @@ class Zygote:
 
 
 class Sandboxed:
-    """Handle of a worker that the zygote (the warm parent) forked, to measure and end the worker as `process.Process` describes."""
+    """Handle of a worker that the zygote (parent process) forked, to measure and end the worker as `process.Process` describes."""
 
     def __init__(self, zygote: Zygote, number: int, pidfd: int, line: socket.socket) -> None:
         self.line = line

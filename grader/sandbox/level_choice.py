@@ -48,7 +48,7 @@ def caveat(zygote: Zygote) -> str:
 
 
 def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
-    """Start a zygote (the warm parent) on exactly this isolation level, for the worker code (not the student's) in `contents`.
+    """Start a zygote (the parent process) on exactly this isolation level, for the worker code (not the student's) in `contents`.
 
     A zygote that is killed before it is isolated, for lack of memory say, is started once more. Raise IsolationRefusedError if it
     is killed again, or if this machine does not allow the level.
@@ -68,7 +68,7 @@ def start_zygote(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
 
 
 def best_zygote(contents: Contents) -> tuple[Zygote | None, str]:
-    """Return a zygote (the warm parent) for the worker code in `contents`, on the best level possible here, and a text for reports.
+    """Return a zygote (parent process) for the worker code in `contents`, on the best level possible here, and a text for reports.
 
     None as zygote means that only the level "none" works, without isolation or zygote. The text says why no better level
     works, and what the level in use lacks on this kernel; "" if there is nothing to say.

@@ -44,7 +44,7 @@ def _may_set_ids() -> bool:
 
 
 def enter_as_root() -> None:
-    """Give up root for ever and enter new namespaces: the zygote (warm parent) then cannot undo the mounts that it made as root."""
+    """Give up root for ever and enter new namespaces: the zygote (parent process) cannot undo the mounts that it made as root."""
     give_up_root()
     linux.unshare(linux.CLONE_NEWUSER | linux.CLONE_NEWNS | _ZYGOTE)
 

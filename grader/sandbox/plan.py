@@ -1,4 +1,4 @@
-"""Set-up of a sandbox: the part that its caller chooses (`Contents`), and all that the zygote, or warm parent, is sent (`Plan`)."""
+"""Set-up of a sandbox: the part that its caller chooses (`Contents`), and all that the zygote (parent process) is sent (`Plan`)."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class Plan:
-    """Set-up of a zygote (the warm parent), sent to it first. Paths are absolute and, but for `visible`, free of links.
+    """Set-up of a zygote (the parent process), sent to it first. Paths are absolute and, but for `visible`, free of links.
 
     Attributes
     ----------

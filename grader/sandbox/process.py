@@ -20,7 +20,7 @@ class IsolationRefusedError(Exception):
 
 
 class ZygoteGoneError(Exception):
-    """Exception: the zygote (the warm parent of the workers) has died, so that a new one must be started."""
+    """Exception: the zygote (the parent process of the workers) has died, so that a new one must be started."""
 
 
 class WallClock:

@@ -43,7 +43,7 @@ _GRACE_S = 1.0  # for a process that hung up to end by itself, so that we learn 
 
 
 class Sandbox:
-    """A place for untrusted code: an isolated zygote (warm parent) forks workers in milliseconds; level "none" starts each anew.
+    """A place for untrusted code: an isolated zygote (parent process) forks workers in milliseconds; level "none" starts each anew.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class Sandbox:
     def worker(self) -> Worker:
         """Return a new worker without any state of the earlier ones. The levels `bubblewrap` and `landlock` allow four at a time.
 
-        Raise GraderError for a fifth worker at these levels, after `close`, or if even a new zygote (warm parent) forks none.
+        Raise GraderError for a fifth worker at these levels, after `close`, or if even a new zygote (parent process) forks none.
         """
         if self._closed:
             raise GraderError("the sandbox is closed")
@@ -108,12 +108,12 @@ class Sandbox:
         return worker
 
     def warm(self, modules: Sequence[str]) -> None:
-        """Let the zygote (the warm parent), if there is one, import these modules before its next fork, for all new workers."""
+        """Let the zygote (the parent process), if there is one, import these modules before its next fork, for all new workers."""
         new = [name for name in modules if name not in self._contents.warm]
         self._contents = replace(self._contents, warm=(*self._contents.warm, *new))
 
     def close(self) -> None:
-        """End every worker and the zygote (the warm parent), and remove the folders that were made for them."""
+        """End every worker and the zygote (the parent process), and remove the folders that were made for them."""
         self._closed = True
         for worker in self._workers:
             worker.close()

@@ -1,4 +1,4 @@
-"""A zygote (the warm parent): isolates itself, imports everything once, then forks a worker whenever the grader asks for one.
+"""A zygote (the parent process): isolates itself, imports everything once, then forks a worker whenever the grader asks for one.
 
 The control socket keeps message boundaries. Its other end is the grader's; when that closes, the zygote and its workers end.
 """
@@ -36,7 +36,7 @@ class _GraderGoneError(Exception):
 
 
 def main(control_fd: int) -> Callable[[], None] | None:
-    """Run the zygote (warm parent of workers) until the grader closes the socket `control_fd`, then end the process.
+    """Run the zygote (parent process of workers) until the grader closes the socket `control_fd`, then end the process.
 
     In a worker that it forked, return the function that answers requests. If isolation or an import fails, tell the grader why
     and return None.

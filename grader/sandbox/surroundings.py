@@ -146,7 +146,7 @@ def compile_once(folders: Sequence[str]) -> None:
 
 
 def zygote() -> str:
-    """Return the path of the script with which a zygote (the warm parent of workers) is started."""
+    """Return the path of the script with which a zygote (the parent process of workers) is started."""
     return str(_HERE / "zygote.py")
 
 

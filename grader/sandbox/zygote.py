@@ -1,4 +1,4 @@
-"""The script of a zygote, the warm parent process from which workers are forked; it starts with nothing of the grader in it.
+"""The script of a zygote, the parent process from which workers are forked; it starts with nothing of the grader in it.
 
     python -B -s zygote.py CONTROL_FD             a zygote on Linux: receives its set-up, then serves workers
     python -B -s zygote.py --plain LINE_FD PLAN   one worker without isolation, on any system

@@ -18,7 +18,7 @@ _MAX_INPUTS = 100
 
 
 def import_libraries() -> None:
-    """Import the libraries of every submission in the zygote (the warm parent of all workers), so that no worker waits for them."""
+    """Import the libraries of every submission in the zygote (parent process of all workers), so that no worker waits for them."""
     with contextlib.suppress(ImportError):
         import _ssl  # noqa: F401 - see `repeatability`
 
@@ -30,7 +30,7 @@ def import_libraries() -> None:
 
 
 def use_libraries() -> None:
-    """Use each library once in the zygote (the warm parent of all workers), because the first use is slow."""
+    """Use each library once in the zygote (parent process of all workers), because the first use is slow."""
     import matplotlib.pyplot as plt
     import PIL.Image
 
