@@ -15,8 +15,11 @@ import yaml
 
 from docs import generated
 from grader import cli
-from grader.engine import rubric, rubric_nodes
+from grader.course.markers import pool
+from grader.course.run import classroom
+from grader.engine import rubric, rubric_nodes, session
 from grader.labs.imu.lab import LAB
+from grader.sandbox import limits
 from tests.documents import ROOT, commands, documents, site
 
 PAGES = site()
@@ -34,6 +37,8 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     pages = {path.relative_to(tmp_path / "site").with_suffix(".md") for path in (tmp_path / "site").rglob("*.html")}
     assert {Path(page) for page in PAGES} <= pages
     assert (tmp_path / "site" / "searchindex.js").is_file()
+    assert 'href="../security.html"' in (tmp_path / "site/administrators/isolation.html").read_text(encoding="utf-8")
+    assert "What is promised" in (tmp_path / "site/security.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(("page", "text"), YAML, ids=[page for page, _ in YAML])
@@ -127,6 +132,18 @@ def test_every_link_of_a_page_leads_to_a_file_and_a_heading(page: Path) -> None:
 def test_generated_parts_of_the_pages_are_those_of_the_code(page: str) -> None:
     assert PAGES[page].count("<!-- generated: ") == PAGES[page].count("<!-- end: ")
     assert generated.fill(PAGES[page]) == PAGES[page], "run python -m tests.regenerate docs"
+
+
+def test_the_worst_case_of_a_job_follows_from_the_limits_of_the_code() -> None:
+    of_student_code, of_job = limits.MEMORY_BYTES >> 30, pool.Bounds().memory_bytes >> 30
+    cpu_s = rubric.load(LAB).limits.submission_cpu_s
+    waits, stands = session._WALL_PER_CPU * cpu_s / 60, pool.ATTEMPTS * classroom._WALL_PER_CPU * cpu_s / 60
+    worst = f"{of_job + 2 * of_student_code} GB ({of_job + of_student_code} GB on public scenarios)"
+    page = PAGES["administrators/cost.md"]
+    assert f"{worst}, {cpu_s / 60:g} minutes of CPU, {waits:g} minutes if its code waits |" in page
+    assert f"{pool.ATTEMPTS} attempts: {stands:g} minutes" in page.replace("two", "2")
+    assert f"for {cpu_s / 60:g} to {waits:g}\nminutes" in page
+    assert f"[{cpu_s / 60:g} to {waits:g} minutes](cost.md)" in PAGES["administrators/ci.md"]
 
 
 def test_every_page_of_a_folder_is_in_its_list() -> None:

@@ -233,8 +233,9 @@ PLATFORM = Platform(
 2. In Gradescope, create a *Programming Assignment* with 100 autograder points, the sum of the rubric.
 3. On *Configure Autograder*, choose Ubuntu 22.04 as base image, or another with Python 3.10 to 3.13, upload the archive and
    choose *Update Autograder*. The log ends with what `imugrade doctor` says of the container. The smallest container is enough:
-   one process marks one submission and stays below 768 MB. Raise the timeout under *Autograder Settings* to 40 minutes: Gradescope
-   gives 0 to who reaches it, and code that never ends can take [20 minutes](cost.md).
+   one process marks one submission, and a sound one stays [far below its 768 MB](cost.md). Raise the timeout under
+   *Autograder Settings* to 40 minutes: Gradescope gives 0 to who reaches it. Code that never ends takes
+   [2 to 8 minutes](cost.md), and longer in a slow container.
 4. Choose *Test Autograder*, and hand in the files of `submissions_example/s01-sheet-verbatim`. The score is 100, and with hidden
    traces the text above the checks says *Graded on hidden scenarios*. Where the container isolates nothing, a run with hidden
    traces is refused: write the archive without a secret, and grade the final hand-ins on your own machine with hidden scenarios,
