@@ -146,6 +146,10 @@ def test_the_worst_case_of_a_job_follows_from_the_limits_of_the_code() -> None:
     assert f"[{cpu_s / 60:g} to {waits:g} minutes](cost.md)" in PAGES["administrators/ci.md"]
 
 
+def test_every_field_of_result_json_has_a_meaning() -> None:
+    assert re.findall(r"^\| `(\S+)` \| .* \| (?:Optional\. )? *\|$", generated.result_json(), re.MULTILINE) == []
+
+
 def test_every_page_of_a_folder_is_in_its_list() -> None:
     for index in (ROOT / "docs").glob("*/index.md"):
         listed = re.findall(r"^- \[[^]]+\]\(([\w-]+\.md)\): \S", index.read_text(encoding="utf-8"), re.MULTILINE)
