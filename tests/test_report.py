@@ -7,7 +7,8 @@ import hashlib
 import io
 import re
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from grader.labs.imu.answers import Drawing
 from grader.labs.imu.charts import drawn
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person
-from grader.report import words
+from grader.report import overview, words
 from grader.report.pages import index_page, report_page
 from grader.report.terminal import screen, show_line
 from tests.fake_results import HOSTILE, check, lost, result
@@ -231,6 +232,12 @@ def test_the_index_links_each_report_and_counts_the_class() -> None:
     assert "2 submissions" in text
     assert re.search(r"mean of graded\s*10\s*median\s*10\s*lowest\s*0\s*highest\s*20", text)
     assert re.search(r"sensor id as address\s*1\s*Bob", text)
+
+
+def test_the_class_table_uses_every_field_of_its_rows() -> None:
+    template = Path(overview.__file__).parent / "templates" / "class_table.html.j2"
+    used = re.findall(r"\bentry\.(\w+)", template.read_text(encoding="utf-8"))
+    assert {each.name for each in fields(overview.Entry)} == set(used)
 
 
 def test_a_report_has_a_form_for_a_regrade_request_and_sends_nothing_by_itself() -> None:
