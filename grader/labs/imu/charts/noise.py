@@ -51,7 +51,7 @@ def _histogram(sensors: tuple[_Sensor, ...]) -> Chart:
         "noise_model",
         "Distribution of your noise",
         "Your readings less the true ones and the bias that was given, in units of the standard deviation that was asked for. "
-        f"The line is the normal law. Found: {found}.",
+        f"The line is the normal distribution. Found: {found}.",
         tuple(map(_distribution, sensors)),
     )
 
@@ -65,7 +65,7 @@ def _distribution(sensor: _Sensor) -> Panel:
     grid = np.linspace(-reach, reach, 121)
     curves = (
         curve("yours", "bars", centres, counts / (len(values) * width)),
-        curve("normal law", "model", grid, np.exp(-(grid**2) / 2) / np.sqrt(2 * np.pi)),
+        curve("normal distribution", "model", grid, np.exp(-(grid**2) / 2) / np.sqrt(2 * np.pi)),
     )
     return Panel(sensor.name, f"Noise (in units of {sensor.asked:g} {sensor.unit})", "Density", curves)
 

@@ -24,8 +24,8 @@ _FINEST = 0.99e-4
 _SMOOTH = 0.5
 """Largest von Neumann ratio of a drift. White noise has 1 (± 0.04 for 600 values), a random walk of 100 reads less than 0.2."""
 _UNLIKE_UNIFORM = 0.9
-"""Standard deviations. Smallest bound that counts as clipping: between narrower ones, a truncated normal law has the moments of a
-uniform law."""
+"""Standard deviations. Smallest bound that counts as clipping: between narrower ones, a truncated normal distribution has the
+moments of a uniform one."""
 _OFTEN = 0.52
 """Largest share of reads in noise that equal the one before: half of them if it is held for two reads, and a margin for chance."""
 _LAGS = 16
