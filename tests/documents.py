@@ -43,12 +43,11 @@ def documents() -> dict[str, str]:
     """Return the texts for people who run commands, by name."""
     groups = cli.command().commands
     return {
-        "README.md": (ROOT / "README.md").read_text(encoding="utf-8"),
+        **{name: (ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")},
         "the students' README.md": (Path(give.__file__).parent.parent / "labs" / "imu" / "starter" / "README.md.txt")
         .read_text(encoding="utf-8")
         .replace("{wheel}", wheel.name()),
         **{f"docs/{path}": text for path, text in site().items()},
-        "SECURITY.md": (ROOT / "SECURITY.md").read_text(encoding="utf-8"),
         "imugrade traces --help": f"```text\n{groups['traces'].help}\n```\n",
     }
 

@@ -103,6 +103,12 @@ def test_a_wrong_size_of_the_noise_is_named(facts: Facts, told: str) -> None:
     assert (found.cause if found else "") == told
 
 
+def test_noise_that_nobody_asked_for_is_no_redrawn_bias_if_the_size_that_was_asked_for_is_right() -> None:
+    silent = (0.02, 0.002)
+    assert _sized(3, 3, silent).redrawn
+    assert not _facts(silent=silent).redrawn
+
+
 _INSTANCES = _RNG.normal(size=(24, 1, 3))
 
 
