@@ -86,23 +86,31 @@ The truth value of an array with more than one element is ambiguous | No points 
 imugrade is already installed with the same version | doctor says landlock | The address of the desk opens nothing
 A student says: 94 at home and 80 here | A student says: the grader is wrong | It takes very long | No space left on device
 A package that submissions import is missing | Which version graded this? | doctor says landlock, bubblewrap or none
-The platform gives everybody the same | Killed, or this machine ran out of memory
+The platform gives everybody the same | Killed, or this machine ran out of memory | Imports go down BROKEN
 """
 """Headings of the pages on messages that are no text of imugrade: what other programs say, and what people see."""
-EXAMPLE_VALUES = r"NotImplementedError: |^breakpoint|^points must be |^--format canvas |filters\.py|LowPassFilter|get_imu_readings|alice|starlette|Lab 04-01|tcp://…|mujoco [\d.]+|\d+(?:\.\d+)+|\d+"
+EXAMPLE_VALUES = r"NotImplementedError: |^breakpoint|^points must be |^--format canvas |filters\.py|LowPassFilter|get_imu_readings|alice|starlette|Lab 04-01|tcp://…|…|mujoco [\d.]+|\d+(?:\.\d+)+|\d+"
 
 
-def test_a_heading_of_the_pages_on_messages_is_a_text_of_the_product() -> None:
-    files = [path for path in (ROOT / "grader").rglob("*") if path.suffix in (".py", ".j2", ".yaml", ".txt")]
+def texts_below(folder: str) -> str:
+    """Return the files of a folder as one line, in which a text that is written in several lines is whole."""
+    files = [path for path in (ROOT / folder).rglob("*") if path.suffix in (".py", ".j2", ".yaml", ".txt")]
     source = "\n".join(path.read_text(encoding="utf-8") for path in files)
-    source = " ".join(re.sub(r'"\s*\n\s*f?"', "", source).split())
-    known = {each.strip() for each in re.split(r"[|\n]", SYMPTOMS)}
-    headings = [
-        title for page in PAGES if page.endswith("/trouble.md") for title in re.findall(r"^## (.*)$", PAGES[page], re.M)
-    ]
-    pieces = {title: re.split(EXAMPLE_VALUES, title) for title in headings if title not in known}
-    assert [title for title, parts in pieces.items() if not all(part.strip() in source for part in parts)] == []
-    assert known - {""} - {*headings} == set()
+    return " ".join(re.sub(r'"\s*\n\s*f?"', "", source).split())
+
+
+def test_a_heading_of_the_pages_on_messages_is_a_text_of_the_product_or_for_contributors_of_the_tests() -> None:
+    product, tests = texts_below("grader"), texts_below("tests")
+    known = {each.strip() for each in re.split(r"[|\n]", SYMPTOMS)} - {""}
+    headings = {
+        title: tests if page.startswith("contributors/") else product
+        for page in PAGES
+        if page.endswith("/trouble.md")
+        for title in re.findall(r"^## (.*)$", PAGES[page], re.M)
+    }
+    pieces = {title: re.split(EXAMPLE_VALUES, title) for title in headings.keys() - known}
+    assert {part for title, parts in pieces.items() for part in parts if part.strip() not in headings[title]} == set()
+    assert known - headings.keys() == set()
 
 
 REPOSITORY_PAGES = sorted(path for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])

@@ -50,7 +50,8 @@ ROWS = list(_rows())
 
 @pytest.mark.parametrize("case", ROWS)
 def test_a_case_is_judged_as_the_corpus_says(case: Case) -> None:
-    assert disagreements(verdict(case)) == []
+    found = disagreements(verdict(case))
+    assert not found, "\n".join(found)
 
 
 @pytest.mark.quick
