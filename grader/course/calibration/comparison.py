@@ -49,7 +49,7 @@ class ComparedCell:
 
     @property
     def is_outside(self) -> bool:
-        """Whether the grader's points lie outside every mark's range, from `low` to `high`, so that no person would accept them."""
+        """Whether no marker accepts the grader's points: each mark has its own range, `low` to `high`, and they lie in none."""
         return not any(mark.accepts(self.criterion.points) for mark in self.marks)
 
     @property

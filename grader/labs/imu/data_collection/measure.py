@@ -170,7 +170,10 @@ class Facts:
 
 
 def facts_of(truth: Traces, push: Run, later: Run | None, **more: Any) -> Facts:
-    """Return the facts of the runs `push` and `later`, with pose, gravity and times from `truth`; `more` sets other fields."""
+    """Return the facts of two runs of the student's recorder: `push`, and `later` (on unreset data), None if it failed.
+
+    Pose, gravity and times come from `truth`; `more` sets other fields.
+    """
     lab, left_at = truth["reading_lab"], float(truth["push_dirty"]["dirty_time"])
     gravity = np.asarray(lab.scalars["gravity"], float)
     return Facts(push, later, lab["qpos"][-1], gravity, learnt_timestep(truth), left_at, **more)
