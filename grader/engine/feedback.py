@@ -52,8 +52,8 @@ def feedback_on(finding: BaseException, earlier: str | None, table: Mapping[str,
 
     Parameters
     ----------
-    finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`, nothing else; on hidden scenarios only
-        a `Missing` without hidden text, or one with an `earlier` check: `hidden_feedback.feedback_on` takes the rest
+    finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`, nothing else. Of hidden scenarios,
+        only a `Missing` without hidden text or any that has an `earlier` check; `hidden_feedback.feedback_on` is for the rest
     earlier : title of an earlier check with the same cause (see `cause_key`), to which the feedback refers; None without one
     table : the entries of the lab's fault table
     """

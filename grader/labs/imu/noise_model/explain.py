@@ -174,7 +174,10 @@ _UNUSED = ("no-bias", "bias-argument-ignored")
 
 
 def offset_fault(facts: Facts) -> str:
-    """Return the id of the likeliest fault in `OFFSETS` that predicts each wrong mean error; "" if none does or all are right."""
+    """Return the id of the cheapest fault in `OFFSETS` that predicts the wrong mean (offset) of each sensor that has one.
+
+    "" if no sensor's mean is wrong, or if no fault, or several of one cost, predict it.
+    """
     reads = [sensor.reads for sensor in facts.sensors]
     wrong = [(reads[i], reads[1 - i]) for i in BOTH if not reads[i].bias_is_right]
     used = any(s.twins.seeded and not s.twins.ignores_bias() for s in facts.sensors)

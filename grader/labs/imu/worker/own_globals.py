@@ -108,17 +108,17 @@ def _module_of(function: Any) -> ModuleType | None:
 
 @contextmanager
 def set_recording(recording: Any, function: Any, slots: Sequence[Slot]) -> Iterator[list[str]]:
-    """Set the global that a plot function reads as its recording to `recording`; restore it on exit.
+    """Let a plot function that reads its recording from a global read `recording` there; restore the global on exit.
 
     Parameters
     ----------
-    slots : the plot function's arguments for the recording and for the series in it; no global is set if the function uses a
-        parameter for any of them, or if it reads several globals that, by name and value, may hold a recording
+    slots : the lab sheet's arguments for the recording and the series in it. No global is set if the function's body reads one of
+        these parameters of its own, or unless just one global that it reads may, by name and value, hold a recording
 
     Yields
     ------
-    ``["global imu_data"]``, with the sheet's name of the parameter, for the report, if the global is set although the function has
-        such a parameter; else an empty list
+    ``["global imu_data"]``, for the report, if a global is set although the function has a parameter for the recording, which its
+        body ignores; else an empty list
     """
     owner = _module_of(function)
     own = _own_names(function, *slots) or _own_names(function)[:1]
