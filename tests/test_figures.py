@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import VisibleParts, figures_of, picture_of
+from grader.engine.replies import Answer, Drawings, Wrong, drawings
 from grader.sandbox.wire import Frame
 from grader.worker.recorder import Recorder
 from tests.random_figures import figure_of, frame_of
@@ -45,6 +46,13 @@ def test_of_a_figure_that_cannot_be_read_only_the_file_is_told(frame: Frame) -> 
     assert (figure.event, figure.path, figure.size_px) == ("saved", "imu_data.png", (640, 480))
     assert (figure.title, figure.axes, figure.texts, figure.legend) == ("", (), (), ())
     assert (figure.extent, figure.dots, figure.pixels.shape) == ((0.0, 0.0), 0.0, (0, 0, 3))
+
+
+def test_a_figure_whose_facts_are_of_another_type_is_no_figure(frame: Frame) -> None:
+    """msgspec says so by an exception that is a ValueError from 0.23 on."""
+    facts_of(frame).update(event=7)
+    with pytest.raises(Wrong, match="no figure: Expected `str`, got `int`"):
+        drawings(Answer(frame, {}, {}), Drawings(figures=[]))
 
 
 @pytest.mark.parametrize(

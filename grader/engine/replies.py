@@ -257,7 +257,7 @@ def drawings(answer: Answer, reply: Drawings) -> None:
     """Check the figures of a reply, with their pixels and curves; raise `Wrong` if they break a rule."""
     try:
         figures = decode_figures(answer.frame, partial(_figure_array, answer))
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
+    except (ValueError, msgspec.ValidationError, TypeError, KeyError, AttributeError) as error:
         raise Wrong(f"no figure: {error}") from None
     for figure in figures:
         _check_pixels(figure)

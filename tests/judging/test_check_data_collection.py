@@ -120,11 +120,16 @@ class Rollout(Recorder):
     def __call__(self, model: Any, data: Any, duration_seconds: float, accel_id: int, gyro_id: int) -> Any:
         self.begin(model, data)
         self.push(data)
-        state = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
-        mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-        states, sensors = rollout.rollout(model, data, state[None], nstep=self.steps(model, duration_seconds))
+        kinds = mujoco.mjtState  # before MuJoCo 3.1.2 a state has no time, and a single rollout no dimension of its own
+        kind = kinds.mjSTATE_PHYSICS if mujoco.mj_version() < 312 else kinds.mjSTATE_FULLPHYSICS
+        state = np.empty(mujoco.mj_stateSize(model, kind))
+        mujoco.mj_getState(model, data, state, kind)
+        steps = self.steps(model, duration_seconds)
+        _, sensors = rollout.rollout(model, data, state[None], nstep=steps)
+        sensors = sensors.reshape(steps, model.nsensordata)
         a, g = model.sensor_adr[accel_id], model.sensor_adr[gyro_id]
-        return self.returned(states[0, :, 0], sensors[0, :, a : a + 3], sensors[0, :, g : g + 3], model)
+        time = np.arange(1, steps + 1) * model.opt.timestep
+        return self.returned(time, sensors[:, a : a + 3], sensors[:, g : g + 3], model)
 
 
 class FiftyHertz(Recorder):

@@ -11,6 +11,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeVar
 
+from msgspec import ValidationError  # a ValueError since msgspec 0.23
+
 from grader.base.errors import RequestError
 from grader.base.text import printable
 
@@ -232,5 +234,5 @@ def read(parse: Callable[[Any], T], record: object) -> T:
     """Return `parse(record)` for a stored value; raise ForeignError if that fails, because any program can write to the file."""
     try:
         return parse(record)
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, zlib.error) as problem:
+    except (ValueError, ValidationError, TypeError, KeyError, AttributeError, RecursionError, zlib.error) as problem:
         raise ForeignError(printable(f"{type(problem).__name__}: {problem}", 100)) from problem

@@ -13,7 +13,7 @@ from grader.labs.imu.compare import BOTH, SENSOR_NAMES, changes_in_words, distin
 from grader.labs.imu.noise_model import explain
 from grader.labs.imu.noise_model.explain import JUDGE
 from grader.labs.imu.noise_model.measure import Facts
-from grader.labs.imu.noise_model.reads import Reads
+from grader.labs.imu.noise_model.reads import TRUTH_ATOL, Reads
 
 _UNLIKE = 1.2
 """Ratio of the spreads of two axes, of 2,500 reads each, that have one size by a chance of `statistics.ALPHA` only."""
@@ -123,10 +123,11 @@ def check_white_and_gaussian(facts: Facts) -> Deviation[Law] | None:
     if not (wrong := explain.odd_laws(facts)):
         return None
     noise, raw = facts.sensors[wrong[0]].noise, facts.sensors[wrong[0]].reads
+    beside = raw.offset[-1] - raw.bias
     numbers: Law = {
         "sensor": SENSOR_NAMES[wrong[0]],
         "unit": SENSOR_UNITS[wrong[0]],
-        "beside": vector(raw.offset[-1] - raw.bias),
+        "beside": vector(np.where(np.abs(beside) > TRUTH_ATOL, beside, 0.0)),
         "grain": explain.grain(facts),
         "memory": max(sensor.noise.memory for sensor in facts.sensors),
         "most": float(np.abs(noise.centred).max()) / noise.std,
