@@ -187,7 +187,9 @@ def test_the_keys_that_the_rubric_has_are_those_that_are_documented(monkeypatch:
         return fields(reader, node, what, required, optional)
 
     monkeypatch.setattr(rubric_nodes.NodeReader, "fields", noting)
-    rubric.parse(LAB, rubric.shipped(LAB).read_bytes() + EVERY_SECTION.encode())
+    whole = rubric.shipped(LAB).read_bytes() + EVERY_SECTION.encode()
+    rubric.parse(LAB, whole)
+    assert {key for key in found if "." not in key} == yaml.safe_load(whole).keys(), "a section lacks in EVERY_SECTION"
     assert found == set(generated.RUBRIC_KEYS)
 
 
