@@ -55,7 +55,12 @@ SLOW = (
     "test_shadowing_modules", "test_statements", "test_styles", "test_traces", "test_two_faults",
     "test_variants",
 )  # fmt: skip
-"""Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""
+"""Files and folders that `pytest` without arguments leaves out, but for tests marked `plain`: processes, sandboxes, browsers. `-m full`,
+as in CI, and `pytest FILE` run them."""
+LEFT_OUT = 1700
+"""About how many tests that is; a test compares it. `pytest` does not count them, since it does not import their files."""
+MINUTES = 5
+"""About how long they take on two cores: 2 minutes on a fast machine with recordings, 8 on a slow one without."""
 LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions")
 """Files that `pytest -m quick` leaves out, too: they judge hundreds of made-up students."""
 QUICK = "quick and not slow and not longer and not weekly"
@@ -71,13 +76,15 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Do not import files without a test for this run: each test worker would take seconds for it."""
-    if config.option.markexpr == EVERYDAY:
-        return _is_slow(collection_path) or None
-    mark = {QUICK: "mark.quick", "delivered": "mark.delivered"}.get(config.option.markexpr)
-    if mark is None or collection_path.suffix != ".py":
+    """Do not import files and folders without a test for this run: each test worker would take seconds for it."""
+    marks = {QUICK: "mark.quick", "delivered": "mark.delivered"}
+    if _is_slow(collection_path):
+        marks[EVERYDAY] = "mark.plain"
+    mark = marks.get(config.option.markexpr)
+    if mark is None:
         return None
-    return None if mark in collection_path.read_text(encoding="utf-8") else True
+    files = [collection_path] if collection_path.suffix == ".py" else collection_path.rglob("test_*.py")
+    return None if any(mark in file.read_text(encoding="utf-8") for file in files) else True
 
 
 def _is_slow(path: Path) -> bool:
@@ -87,7 +94,7 @@ def _is_slow(path: Path) -> bool:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path.stem not in FIRST)
     for item in items:
-        if _is_slow(item.path):
+        if _is_slow(item.path) and not item.get_closest_marker("plain"):
             item.add_marker("slow")
         if item.path.stem in LONGER:
             item.add_marker("longer")
@@ -155,7 +162,7 @@ def pytest_testnodedown(node: Any, error: object) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
-    """Tell how many submissions ran in a real sandbox and how long that took, and that slow tests were left out."""
+    """Tell how many submissions ran in a real sandbox and how long that took, and how many slow tests were left out."""
     counted = {name: sum(each[name] for each in config.stash[_FOUND]) for name in ("recorded", "compared", "seconds")}
     if counted["recorded"] or counted["compared"]:
         terminalreporter.write_line(
@@ -163,7 +170,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
             f"{counted['seconds']:.0f} s of the test workers' time"
         )
     if config.option.markexpr == EVERYDAY:
-        terminalreporter.write_line("slow tests were left out; all tests: python -m pytest -m full")
+        terminalreporter.write_line(f"about {LEFT_OUT:,} more tests with -m full, in about {MINUTES} minutes")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -112,6 +112,7 @@ def test_the_versions_at_home_are_noted_where_they_differ_from_those_of_the_grad
 # --- what is in them, and what is not ---------------------------------------------------------------------------------
 
 
+@pytest.mark.plain
 def test_students_get_starter_files_the_model_at_the_sheets_path_motions_a_readme_and_the_wheel(students: Path) -> None:
     found = {path.relative_to(students).as_posix() for path in students.rglob("*") if path.is_file()}
     model = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"

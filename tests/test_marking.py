@@ -35,6 +35,12 @@ class ExitingError(Exception):
         raise SystemExit
 
 
+@pytest.mark.plain
+def test_the_sheets_own_code_has_all_points_in_a_sandbox(marker: Marker) -> None:
+    result = marked(marker, verbatim())
+    assert (result.status, result.score) == ("graded", 100.0)
+
+
 @pytest.mark.parametrize(
     ("problem", "says"),
     [

@@ -57,6 +57,7 @@ def lab(tmp_path: Path) -> Path:
 # --- a run ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.plain
 def test_lost_checks_are_failures_in_the_students_own_files_and_nothing_of_the_folder_runs_here(lab: Path) -> None:
     ran = run(lab, "-v", "--junitxml=junit.xml", "--tb=short")
     lines = ran.stdout.splitlines()

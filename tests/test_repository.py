@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import LEFT_OUT
+
 ROOT = Path(__file__).parents[1]
 MOST_BYTES = 1_500_000
 """Most that a file may have; the largest today, the public traces, has 1.1 MB."""
@@ -51,6 +53,22 @@ def test_commits_that_add_a_large_file_are_refused_also_where_it_was_deleted_aga
     git("commit", "-m", "gone")
     text = "These commits add files of more than 1500000 bytes:\n  large: 1500001 bytes\n"
     assert checked() == (1, text)
+
+
+def test_the_weekly_run_refuses_a_part_that_it_does_not_have() -> None:
+    page = ROOT / "docs" / "contributors" / "weekly.md"
+    before = page.read_bytes()
+    done = subprocess.run([ROOT / ".ci" / "weekly", "nonsense"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("no part nonsense; the parts are: isolation_levels ordinary_user ")
+    assert page.read_bytes() == before
+
+
+def test_the_summary_of_a_plain_run_tells_about_how_many_tests_it_left_out(request: pytest.FixtureRequest) -> None:
+    slow = [item for item in request.session.items if item.get_closest_marker("slow")]
+    if len(slow) < LEFT_OUT / 2:
+        pytest.skip("only some of the slow tests are chosen")
+    assert len(slow) == pytest.approx(LEFT_OUT, rel=0.05)
 
 
 OURS = {"grader", "reference"}

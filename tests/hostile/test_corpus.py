@@ -49,7 +49,11 @@ def attack_judge() -> Iterator[AttackJudge]:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[] if name in REDUCED else [pytest.mark.weekly]) for name in BY_NAME]
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.plain] if name == REDUCED[0] else [] if name in REDUCED else [pytest.mark.weekly])
+        for name in BY_NAME
+    ],
 )
 def test_a_hostile_submission_gains_nothing_and_touches_nothing(attack_judge: AttackJudge, name: str) -> None:
     assert attack_judge.try_(BY_NAME[name]).troubles == []

@@ -41,6 +41,7 @@ def graded(marker: Marker, files: dict[str, bytes]) -> Result:
     return marker.mark(Submission("ann", "ann", files, (), "ready", "0" * 64))
 
 
+@pytest.mark.plain
 def test_a_sound_submission_gets_all_points(marker: Marker) -> None:
     result = graded(marker, SOUND)
     assert (result.status, result.score, result.max_score) == ("graded", 10.0, 10.0)

@@ -32,6 +32,7 @@ def on_the_line(source: str) -> str:
     )
 
 
+@pytest.mark.plain
 def test_a_question_is_answered_an_exception_told_and_nothing_read_from_standard_input(worker: Worker) -> None:
     frame = worker.ask("echo", {"a": [1, "é"]}, {"x": np.arange(6.0).reshape(2, 3)})
     assert frame.fields == {"a": [1, "é"]}
