@@ -60,7 +60,7 @@ as in CI, and `pytest FILE` run them."""
 LEFT_OUT = 1700
 """About how many tests that is; a test compares it. `pytest` does not count them, since it does not import their files."""
 MINUTES = 5
-"""About how long they take on two cores: 2 minutes on a fast machine with recordings, 8 on a slow one without."""
+"""About how long they take on two cores: 2 minutes on a fast machine, 8 on a slow one, and longer without recordings."""
 LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions")
 """Files that `pytest -m quick` leaves out, too: they judge hundreds of made-up students."""
 QUICK = "quick and not slow and not longer and not weekly"
