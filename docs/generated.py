@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from grader import cli
+from grader.base.text import enumerated
 from grader.engine import results
 from grader.engine.faults import catalogue
 from grader.engine.findings import CheckFailed, Size, StudentError, raised
@@ -29,7 +30,7 @@ from grader.platforms import registry
 from grader.platforms.platform import Platform
 from grader.report import explanations
 from grader.sandbox import surroundings
-from grader.sandbox.isolation_levels import LEVELS, NO_ISOLATION
+from grader.sandbox.isolation_levels import LEVELS
 
 FOLDER = Path(__file__).resolve().parent
 _PART = re.compile(r"<!-- generated: ([\w-]+) -->(.*?)<!-- end: \1 -->", re.DOTALL)
@@ -211,29 +212,18 @@ def isolation_levels() -> str:
 
 
 def attacks() -> str:
-    """Return the results of the hostile submissions, which `python -m tests.hostile --write` records."""
+    """Return how many hostile submissions were held, when and where; `python -m tests.hostile --write` records it."""
     entries = json.loads((FOLDER / "isolation.json").read_text(encoding="utf-8"))
-    families = {entry["family"]: entry["programs"] for entry in entries}
-    rows = []
-    for level, user in dict.fromkeys((entry["isolation_level"], entry["user"]) for entry in entries):
-        fell = {
-            each["family"]: len(each["fell"])
-            for each in entries
-            if (each["isolation_level"], each["user"]) == (level, user)
-        }
-        rows.append((f"`{level}`", user, *(_held(count, fell.get(name)) for name, count in families.items())))
-    table = _table(("Level", "User", *(f"{name} ({count})" for name, count in families.items())), rows)
-    unwalled = [
-        (entry["family"], name, entry["user"], effect.replace("|", "\\|"))
-        for entry in entries if entry["isolation_level"] == NO_ISOLATION.name
-        for name, effect in entry["fell"].items()
-    ]  # fmt: skip
-    effects = _table(("Family", "Submission", "User", "Effect"), unwalled)
-    return f"{table}\n\nWithout isolation (`{NO_ISOLATION.name}`), these attacks succeed:\n\n{effects}"
-
-
-def _held(count: int, fell: int | None) -> str:
-    return "not run" if fell is None else f"{count - fell} held, {fell} succeeded"
+    dates, systems, pythons = (
+        enumerated(sorted({each[key] for each in entries})) for key in ("date", "system", "python")
+    )
+    held: dict[tuple[str, str], list[str]] = {}
+    for each in entries:
+        row = held.setdefault((f"`{each['isolation_level']}`", each["user"]), [])
+        row.append(f"{each['held']} of {each['programs']}")
+    families = dict.fromkeys(each["family"] for each in entries)
+    table = _table(("Level", "User", *families), ((*run, *row) for run, row in held.items()))
+    return f"Attacks held, of those tried, on {dates} ({systems}, Python {pythons}):\n\n{table}"
 
 
 def libraries() -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -140,6 +141,12 @@ def test_every_link_of_a_page_leads_to_a_file_and_a_heading(page: Path) -> None:
 def test_generated_parts_of_the_pages_are_those_of_the_code(page: str) -> None:
     assert PAGES[page].count("<!-- generated: ") == PAGES[page].count("<!-- end: ")
     assert generated.fill(PAGES[page]) == PAGES[page], "run python -m tests.regenerate docs"
+
+
+def test_the_results_of_the_attacks_name_their_date_and_machine() -> None:
+    entries = json.loads((ROOT / "docs" / "isolation.json").read_text(encoding="utf-8"))
+    page = PAGES["administrators/attacks.md"]
+    assert [each for each in entries for key in ("date", "system", "python") if each[key] not in page] == []
 
 
 def test_the_worst_case_of_a_job_follows_from_the_limits_of_the_code() -> None:

@@ -11,7 +11,7 @@ from contextlib import suppress
 import pytest
 
 from grader.sandbox.isolation_levels import NO_ISOLATION
-from tests.hostile import outputs
+from tests.hostile import __main__, outputs
 from tests.hostile.decoys import SECRET, below
 from tests.hostile.judging import AttackJudge
 from tests.hostile.program import FILTER, Program, in_method, last, sound
@@ -90,3 +90,11 @@ def test_everything_that_an_escape_touches_is_seen_where_nothing_is_held() -> No
 )
 def test_what_is_not_escaped_is_seen(name: str, text: str) -> None:
     assert list(outputs.problems(name, text))
+
+
+def test_the_whole_corpus_is_not_run_where_nothing_holds_it(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        __main__.main(["--isolation", NO_ISOLATION.name, "--only", "no attack has this name"])
+    assert "invalid choice" in capsys.readouterr().err
+    assert __main__.main(["--only", "no attack has this name"]) == 0
+    assert NO_ISOLATION.name not in capsys.readouterr().out
