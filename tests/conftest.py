@@ -121,7 +121,8 @@ def pytest_configure(config: pytest.Config) -> None:
 def _choose(config: pytest.Config) -> None:
     """Run all tests for `-m full`, what is beyond a run without it for `-m slow`; leave out the slow ones where neither tests nor markers are named.
 
-    The name of a row of the corpus as `-k` runs that row, also one that only the weekly run judges.
+    The name of a row of the corpus as `-k` runs that row, also one that only the weekly run judges. A run that names no tests tells the
+    slowest ten.
     """
     option = config.option
     whole_run = config.args_source is pytest.Config.ArgsSource.TESTPATHS and not option.keyword
@@ -129,6 +130,8 @@ def _choose(config: pytest.Config) -> None:
     if option.markexpr == ALL and option.keyword and option.keyword in {case.name for case in recorded_corpus()}:
         more = {ALL: "not delivered"}
     option.markexpr = more.get(option.markexpr, option.markexpr)
+    if whole_run and option.durations is None:
+        option.durations = 10
 
 
 def _use_an_empty_cache(config: pytest.Config) -> None:
