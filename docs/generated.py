@@ -281,7 +281,7 @@ def _fields(node: Any, known: Mapping[str, Any], prefix: str) -> Iterator[tuple[
         path = f"{prefix}{name}{'[]' if inner.get('properties') else ''}"
         optional = "" if name in node.get("required", ()) else "Optional. "
         yield f"`{path}`", _value(field, known), optional + field.get("description", "")
-        for each in (field, inner):
+        for each in (field, inner, *field.get("anyOf", ())):
             if "properties" in each:
                 yield from _fields(each, known, f"{path}.")
 

@@ -181,7 +181,7 @@ def test_as_many_picture_files_are_read_as_the_limit_says(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(("second", "first"), [("a.png", "overwritten"), ("more/a.png", "saved")])
-def test_of_two_figures_saved_to_one_file_the_later_one_is_saved(second: str, first: str, tmp_path: Path) -> None:
+def test_a_figure_is_overwritten_by_a_later_one_in_the_same_file_alone(second: str, first: str, tmp_path: Path) -> None:
     (tmp_path / "more").mkdir()
     drawn = []
     for place in (tmp_path / "a.png", tmp_path / second):

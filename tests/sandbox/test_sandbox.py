@@ -110,7 +110,7 @@ def test_a_question_that_cannot_be_sent_is_our_fault_and_harms_nobody(anyone: Wo
         (True, "os._exit(3)", Crashed, "exit code 3 "),
     ],
 )
-def test_a_process_that_the_kernel_ended_for_lack_of_memory_is_no_crash_of_the_code(
+def test_only_a_kill_for_lack_of_memory_is_no_crash_of_the_code(
     rises: bool, source: str, kind: type[Exception], text: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     counts = itertools.count() if rises else itertools.repeat(7)
